@@ -1,0 +1,126 @@
+//! Which faces of a volume must be drawn, and against which side of the depth buffer they count.
+//!
+//! ```text
+//!           * light           The pyramid from the light to the near rectangle holds what can
+//!          / \                shade the near rectangle. A caster outside it leaves every point
+//!         /   \               of the near rectangle lit, so counting may start there: z-pass.
+//!        /     \
+//!   ____/__near_\____         Near plane and picture meet in the near rectangle.
+//! ```
+//!
+//! Source: M. McGuire et al. 2003, section 6 and figure 4. We test the caster's own triangles where their bounds
+//! do not settle it, so that a hall around the eye is z-pass wherever nothing of it is between light and eye.
+
+use glam::DVec3;
+
+use crate::{Bounds, Camera, Caster, ConvexRegion, LightPosition};
+
+/// McGuire's three cases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Case {
+    /// 1, z-pass: nothing of the near rectangle is in shadow; sides only.
+    ZPass,
+    /// 2, z-fail with the light cap out of view: sides and dark cap.
+    ZFailLightCapOutOfView,
+    /// 3, z-fail with everything: sides, dark cap, light cap.
+    ZFail,
+}
+
+impl Case {
+    /// The number that McGuire gives it.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::ZPass => 1,
+            Self::ZFailLightCapOutOfView => 2,
+            Self::ZFail => 3,
+        }
+    }
+}
+
+/// Tells the case of each caster for one camera and one light.
+#[derive(Debug, Clone)]
+pub struct CaseChooser {
+    view: ConvexRegion,
+    near_pyramid: ConvexRegion,
+}
+
+/// Regions are widened by this much of the coordinates' size: the GPU works in `f32` (2^-24 a rounding, and a few of them),
+/// and z-fail, to which doubt leads, is always right.
+const SLACK: f64 = 4e-6;
+
+impl CaseChooser {
+    /// For a camera and a light in the same space as the casters, which all lie in `scene`.
+    pub fn new(camera: &Camera, light: LightPosition, scene: &Bounds) -> Self {
+        let l = light.homogeneous();
+        let reach = |p: DVec3| p.abs().max_element();
+        let scale = reach(camera.eye())
+            .max(reach(l.truncate() * l.w))
+            .max(if scene.is_empty() { 0.0 } else { reach(scene.min).max(reach(scene.max)) });
+        let slack = SLACK * scale;
+        Self { view: view_region(camera, slack), near_pyramid: near_pyramid(camera, light, slack) }
+    }
+
+    /// The case of `caster`. Cheap where bounds decide; else linear in its triangles.
+    pub fn case(&self, caster: &Caster) -> Case {
+        if !self.may_shade_near_rectangle(caster) {
+            Case::ZPass
+        } else if self.view.may_meet_box(&caster.bounds) {
+            Case::ZFail
+        } else {
+            Case::ZFailLightCapOutOfView
+        }
+    }
+
+    /// The case when z-fail is asked for: 2 or 3.
+    pub fn case_without_zpass(&self, caster: &Caster) -> Case {
+        if self.view.may_meet_box(&caster.bounds) { Case::ZFail } else { Case::ZFailLightCapOutOfView }
+    }
+
+    fn may_shade_near_rectangle(&self, caster: &Caster) -> bool {
+        self.near_pyramid.may_meet_box(&caster.bounds)
+            && (0..caster.mesh.triangles().len())
+                .any(|t| self.near_pyramid.meets_triangle(caster.corners(t).map(|p| p.as_dvec3())))
+    }
+}
+
+/// What the camera sees: beyond the near plane and within the four sides.
+fn view_region(camera: &Camera, slack: f64) -> ConvexRegion {
+    let eye = camera.eye();
+    let [_, _, forward] = camera.axes();
+    let rectangle = camera.near_rectangle();
+    let middle = eye + forward * camera.near();
+    let mut region = ConvexRegion::default();
+    region.add(middle, forward, slack);
+    for i in 0..4 {
+        let normal = (rectangle[i] - eye).cross(rectangle[(i + 1) % 4] - eye);
+        region.add(eye, facing(normal, middle - eye), slack);
+    }
+    region
+}
+
+/// The hull of the light and the near rectangle.
+fn near_pyramid(camera: &Camera, light: LightPosition, slack: f64) -> ConvexRegion {
+    let [_, _, forward] = camera.axes();
+    let rectangle = camera.near_rectangle();
+    let middle = camera.eye() + forward * camera.near();
+    let mut region = ConvexRegion::default();
+    let to_light = light.from_point(middle);
+    let height = forward.dot(to_light);
+    if height.abs() <= slack.max(SLACK * to_light.length()) {
+        // The light is in the near plane, and so is the pyramid: keep the plane and give up its outline.
+        region.add(middle, forward, slack);
+        region.add(middle, -forward, slack);
+        return region;
+    }
+    region.add(middle, forward * height.signum(), slack);
+    for i in 0..4 {
+        let (a, b) = (rectangle[i], rectangle[(i + 1) % 4]);
+        let normal = (b - a).cross(light.from_point(a));
+        region.add(a, facing(normal, middle - a), slack);
+    }
+    region
+}
+
+fn facing(normal: DVec3, inwards: DVec3) -> DVec3 {
+    if normal.dot(inwards) < 0.0 { -normal } else { normal }
+}

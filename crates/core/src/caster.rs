@@ -1,0 +1,59 @@
+//! An object made ready to cast: scene-space positions and what is known about their edges.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use crate::{Bounds, Mesh, Object, Scene, Topology};
+
+/// One object of a scene with its positions in scene space, rounded once to the `f32` that everything uses:
+/// silhouettes, volumes, the GPU and the ray caster see the same bits.
+#[derive(Debug, Clone)]
+pub struct Caster {
+    /// The object's name.
+    pub name: String,
+    /// Triangles, colours and materials; its positions are in object space.
+    pub mesh: Arc<Mesh>,
+    /// Shared between the instances of a mesh.
+    pub topology: Arc<Topology>,
+    /// Scene space, metres; one for each of the mesh's positions.
+    pub positions: Vec<Vec3>,
+    /// Holds `positions`.
+    pub bounds: Bounds,
+}
+
+impl Caster {
+    /// The caster of `object`, whose mesh has `topology`.
+    pub fn new(object: &Object, topology: Arc<Topology>) -> Self {
+        let positions: Vec<Vec3> = object
+            .mesh
+            .positions()
+            .iter()
+            // Adding +0 turns -0 into +0, as welding did.
+            .map(|p| object.world_from_object.transform_point3(p.as_dvec3()).as_vec3() + Vec3::ZERO)
+            .collect();
+        let bounds = Bounds::of_points(positions.iter().map(|p| p.as_dvec3()));
+        Self { name: object.name.clone(), mesh: object.mesh.clone(), topology, positions, bounds }
+    }
+
+    /// The casters of every object of `scene`, in order; the topology of a shared mesh is found once.
+    pub fn of_scene(scene: &Scene) -> Vec<Self> {
+        let mut topology_of_mesh: FxHashMap<*const Mesh, Arc<Topology>> = FxHashMap::default();
+        scene
+            .objects
+            .iter()
+            .map(|object| {
+                let topology = topology_of_mesh
+                    .entry(Arc::as_ptr(&object.mesh))
+                    .or_insert_with(|| Arc::new(Topology::new(&object.mesh)));
+                Self::new(object, topology.clone())
+            })
+            .collect()
+    }
+
+    /// Corner positions of triangle `t`.
+    pub fn corners(&self, t: usize) -> [Vec3; 3] {
+        self.mesh.triangles()[t].map(|i| self.positions[i as usize])
+    }
+}

@@ -1,0 +1,47 @@
+//! Exact shadows without a GPU: meshes and what is known about them, lights, cameras, scenes; silhouettes
+//! and shadow volumes; and an independent ray caster that says whether they are right.
+//!
+//! Conventions, everywhere in this project:
+//!
+//! - metres; radians; world axes x east, y north, z up, right-handed;
+//! - mesh positions are `f32` about a scene origin in `f64`, so that what is reasoned about here is, bit
+//!   for bit, what a GPU draws;
+//! - a light is a homogeneous position `(x, y, z, w)`: `w = 1` a point, `w = 0` the direction towards it;
+//! - opaque surfaces block light from both sides;
+//! - matrices and transforms are named `to_from_from`.
+//!
+//! Data flows one way: [`Scene`] -> [`Caster`]s -> (for a [`Light`]) [`Chain`] -> silhouette ->
+//! [`ShadowVolume`] -> counts.
+
+mod bounds;
+mod bvh;
+mod camera;
+mod caster;
+mod chain;
+mod case;
+mod convex;
+mod counting;
+mod light;
+mod mesh;
+mod ray;
+mod scene;
+pub mod shapes;
+mod silhouette;
+mod topology;
+mod volume;
+mod winding;
+
+pub use bounds::Bounds;
+pub use camera::{Camera, CameraError};
+pub use caster::Caster;
+pub use chain::{Chain, Counting};
+pub use convex::ConvexRegion;
+pub use case::{Case, CaseChooser};
+pub use light::{Light, LightPosition};
+pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
+pub use ray::{Hit, RayCaster};
+pub use scene::{Material, NamedCamera, Object, Scene, SceneError};
+pub use silhouette::{SilhouetteEdge, silhouette};
+pub use topology::{Component, Edge, Topology, TopologyCounts};
+pub use volume::ShadowVolume;
+pub use winding::counting_for_view;

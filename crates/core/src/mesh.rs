@@ -1,0 +1,340 @@
+//! A triangle mesh that was checked once and is trusted from then on.
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use crate::Bounds;
+
+/// Triangles as a file gives them: nothing checked, nothing welded.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Surface {
+    /// Corner positions, in object space, metres.
+    pub positions: Vec<Vec3>,
+    /// Three indices into `positions` each; counter-clockwise seen from outside, where there is an outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// One index into [`crate::Scene::materials`] for each triangle; empty means material 0 for all.
+    pub triangle_materials: Vec<u32>,
+    /// Linear colours that multiply the material's, one for each position; empty means white.
+    pub vertex_colors: Vec<Vec3>,
+}
+
+/// Why a [`Surface`] is not a [`Mesh`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} uses vertex {index}, but there are only {vertex_count} vertices")]
+    IndexOutOfRange {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// The vertex it names.
+        index: u32,
+        /// How many there are.
+        vertex_count: usize,
+    },
+    /// A used coordinate is not a number, or infinite, or too large for exact work in `f32`.
+    #[error(
+        "vertex {vertex} is at ({}, {}, {}); coordinates must be finite and below {MAX_COORDINATE:e}",
+        position.x, position.y, position.z
+    )]
+    BadPosition {
+        /// Index of the vertex, from 0.
+        vertex: u32,
+        /// Where it is.
+        position: Vec3,
+    },
+    /// There are more vertices or triangles than 32-bit indices can name.
+    #[error("{count} {what} are more than a mesh can hold; split the model")]
+    TooLarge {
+        /// "vertices" or "triangles".
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+    },
+    /// There is no triangle with three different corners.
+    #[error("no triangle is left ({read} read, {degenerate} of them with two equal corners)")]
+    NoTriangles {
+        /// Triangles in the surface.
+        read: usize,
+        /// Those that were dropped.
+        degenerate: usize,
+    },
+    /// An optional list has neither no entry nor one for each element.
+    #[error("{count} {what} were given for {expected}")]
+    WrongLength {
+        /// The list and what it goes with.
+        what: &'static str,
+        /// Its length.
+        count: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+}
+
+/// Coordinates at or above this overflow in products of four of them, which facing tests and projections make.
+pub(crate) const MAX_COORDINATE: f32 = 1e18;
+
+/// What [`Mesh::new`] was given and what became of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MeshCounts {
+    /// Triangles in the surface, degenerate ones included.
+    pub triangles_read: usize,
+    /// Positions in the surface, unused ones included.
+    pub vertices_read: usize,
+    /// Triangles dropped because two of their corners are at bit-equal positions.
+    pub degenerate_triangles: usize,
+}
+
+/// A welded triangle mesh.
+///
+/// Every index is in range, every coordinate is finite, no two vertices have bit-equal positions (-0 counts as
+/// 0), every vertex is used, and no triangle has two equal corners. Nothing is promised about closedness, manifoldness or
+/// winding: see [`crate::Topology`].
+///
+/// ```
+/// use glam::Vec3;
+/// use umbrae_core::{Mesh, Surface};
+///
+/// // Two triangles that repeat their common corners weld into one sheet of four vertices.
+/// let (a, b, c, d) = (Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y);
+/// let mesh = Mesh::new(Surface {
+///     positions: vec![a, b, c, a, c, d],
+///     triangles: vec![[0, 1, 2], [3, 4, 5]],
+///     ..Surface::default()
+/// })?;
+/// assert_eq!(mesh.positions().len(), 4);
+/// # Ok::<(), umbrae_core::MeshError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    triangle_materials: Vec<u32>,
+    corner_colors: Vec<[Vec3; 3]>,
+    counts: MeshCounts,
+}
+
+impl Mesh {
+    /// Checks `surface`, welds vertices at bit-equal positions, drops triangles with two equal corners.
+    ///
+    /// Vertices keep the order in which triangles first use them, triangles keep theirs. Never merges by distance.
+    /// Linear in the size of the surface.
+    ///
+    /// # Errors
+    ///
+    /// See [`MeshError`]; unused vertices are dropped unlooked at, so theirs may be anything.
+    pub fn new(surface: Surface) -> Result<Self, MeshError> {
+        let Surface { positions, triangles, triangle_materials, vertex_colors } = surface;
+        for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
+            // A triangle index and a direction share 32 bits in `Topology`.
+            if count >= (u32::MAX / 8) as usize {
+                return Err(MeshError::TooLarge { what, count });
+            }
+        }
+        check_length("materials of triangles", triangle_materials.len(), triangles.len())?;
+        check_length("colours of vertices", vertex_colors.len(), positions.len())?;
+
+        let mut weld = Weld::new(&positions);
+        let mut kept = Vec::with_capacity(triangles.len());
+        let mut kept_materials = Vec::with_capacity(triangles.len());
+        let mut corner_colors = Vec::new();
+        for (t, corners) in triangles.iter().enumerate() {
+            let mut welded = [0; 3];
+            for (to, &index) in welded.iter_mut().zip(corners) {
+                *to = weld.vertex(t, index)?;
+            }
+            let [a, b, c] = welded;
+            if a == b || b == c || c == a {
+                continue;
+            }
+            kept.push(welded);
+            kept_materials.push(triangle_materials.get(t).copied().unwrap_or(0));
+            if !vertex_colors.is_empty() {
+                corner_colors.push(corners.map(|index| vertex_colors[index as usize]));
+            }
+        }
+        let counts = MeshCounts {
+            triangles_read: triangles.len(),
+            vertices_read: positions.len(),
+            degenerate_triangles: triangles.len() - kept.len(),
+        };
+        if kept.is_empty() {
+            return Err(MeshError::NoTriangles { read: counts.triangles_read, degenerate: counts.degenerate_triangles });
+        }
+        Ok(Self {
+            positions: weld.finish(&mut kept),
+            triangles: kept,
+            triangle_materials: kept_materials,
+            corner_colors,
+            counts,
+        })
+    }
+
+    /// The welded positions, object space, metres.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Indices into [`Mesh::positions`], three different ones each.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// For each triangle, its index into [`crate::Scene::materials`].
+    pub fn triangle_materials(&self) -> &[u32] {
+        &self.triangle_materials
+    }
+
+    /// For each triangle, the linear colours of its corners; empty when the surface had none.
+    pub fn corner_colors(&self) -> &[[Vec3; 3]] {
+        &self.corner_colors
+    }
+
+    /// The same mesh with every material index raised by `first`, for a scene whose list already has that many.
+    pub(crate) fn with_materials_after(&self, first: u32) -> Self {
+        let mut mesh = self.clone();
+        for material in &mut mesh.triangle_materials {
+            *material += first;
+        }
+        mesh
+    }
+
+    /// What was read and what was dropped.
+    pub fn counts(&self) -> MeshCounts {
+        self.counts
+    }
+
+    /// The smallest box that holds the mesh, object space.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of_points(self.positions.iter().map(|p| p.as_dvec3()))
+    }
+}
+
+fn check_length(what: &'static str, count: usize, expected: usize) -> Result<(), MeshError> {
+    if count == 0 || count == expected { Ok(()) } else { Err(MeshError::WrongLength { what, count, expected }) }
+}
+
+/// Not yet looked at by [`Weld`].
+const UNSEEN: u32 = u32::MAX;
+
+/// Gives bit-equal positions one index, in the order in which they are asked for.
+struct Weld<'a> {
+    positions: &'a [Vec3],
+    /// For each source vertex its welded index, or [`UNSEEN`].
+    welded_from_source: Vec<u32>,
+    welded_from_bits: FxHashMap<[u32; 3], u32>,
+    welded: Vec<Vec3>,
+}
+
+impl<'a> Weld<'a> {
+    fn new(positions: &'a [Vec3]) -> Self {
+        Self {
+            positions,
+            welded_from_source: vec![UNSEEN; positions.len()],
+            welded_from_bits: FxHashMap::with_capacity_and_hasher(positions.len(), rustc_hash::FxBuildHasher),
+            welded: Vec::with_capacity(positions.len()),
+        }
+    }
+
+    fn vertex(&mut self, triangle: usize, index: u32) -> Result<u32, MeshError> {
+        let vertex_count = self.positions.len();
+        let seen = self.welded_from_source.get_mut(index as usize).ok_or(MeshError::IndexOutOfRange {
+            triangle,
+            index,
+            vertex_count,
+        })?;
+        if *seen == UNSEEN {
+            // Adding +0 turns -0 into +0 and changes nothing else.
+            let position = self.positions[index as usize] + Vec3::ZERO;
+            if !(position.abs().max_element() < MAX_COORDINATE) || !position.is_finite() {
+                return Err(MeshError::BadPosition { vertex: index, position });
+            }
+            let next = self.welded.len() as u32;
+            *seen = *self.welded_from_bits.entry(position.to_array().map(f32::to_bits)).or_insert(next);
+            if *seen == next {
+                self.welded.push(position);
+            }
+        }
+        Ok(*seen)
+    }
+
+    /// Drops the vertices that only degenerate triangles used, and renumbers `triangles`.
+    fn finish(self, triangles: &mut [[u32; 3]]) -> Vec<Vec3> {
+        let mut final_from_welded = vec![UNSEEN; self.welded.len()];
+        let mut used = Vec::with_capacity(self.welded.len());
+        for corner in triangles.iter_mut().flatten() {
+            let to = &mut final_from_welded[*corner as usize];
+            if *to == UNSEEN {
+                *to = used.len() as u32;
+                used.push(self.welded[*corner as usize]);
+            }
+            *corner = *to;
+        }
+        used
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn surface(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Surface {
+        Surface {
+            positions: positions.iter().map(|&p| Vec3::from(p)).collect(),
+            triangles: triangles.to_vec(),
+            ..Surface::default()
+        }
+    }
+
+    #[test]
+    fn negative_zero_welds_with_zero() {
+        let mesh = Mesh::new(surface(
+            &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, -0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
+            &[[0, 1, 2], [3, 4, 5]],
+        ))
+        .expect("a good surface");
+        assert_eq!(mesh.positions().len(), 4);
+        assert!(mesh.positions().iter().all(|p| p.x.to_bits() != (-0.0_f32).to_bits()));
+    }
+
+    #[test]
+    fn positions_one_ulp_apart_stay_apart() {
+        let next = f32::from_bits(1.0_f32.to_bits() + 1);
+        let mesh = Mesh::new(surface(
+            &[[1.0, 0.0, 0.0], [next, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            &[[0, 1, 2]],
+        ))
+        .expect("a thin but good surface");
+        assert_eq!(mesh.positions().len(), 3);
+    }
+
+    #[test]
+    fn a_triangle_whose_corners_weld_is_dropped_and_counted_and_its_vertices_go() {
+        let mesh = Mesh::new(surface(
+            &[[9.0, 9.0, 9.0], [9.0, 9.0, 9.0], [7.0, 7.0, 7.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            &[[0, 1, 2], [3, 4, 5]],
+        ))
+        .expect("one triangle is good");
+        assert_eq!(mesh.counts().degenerate_triangles, 1);
+        assert_eq!((mesh.positions().len(), mesh.triangles().len()), (3, 1));
+    }
+
+    #[test]
+    fn a_bad_index_and_a_bad_coordinate_are_named() {
+        let bad_index = Mesh::new(surface(&[[0.0; 3]; 3], &[[0, 1, 7]])).expect_err("vertex 7 is missing");
+        assert_eq!(bad_index.to_string(), "triangle 0 uses vertex 7, but there are only 3 vertices");
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30] {
+            let error = Mesh::new(surface(&[[0.0; 3], [1.0, bad, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]));
+            assert!(matches!(error, Err(MeshError::BadPosition { vertex: 1, .. })), "{bad}: {error:?}");
+        }
+    }
+
+    #[test]
+    fn an_unused_bad_vertex_does_no_harm() {
+        let mesh = Mesh::new(surface(
+            &[[f32::NAN; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            &[[1, 2, 3]],
+        ));
+        assert!(mesh.is_ok());
+    }
+}

@@ -1,0 +1,140 @@
+//! What a file becomes: named objects in one space, ready to cast.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use crate::{Bounds, Camera, CameraError, Light, Mesh};
+
+/// Everything that is lit and casts, with the cameras and lights that came with it.
+///
+/// Scene space is metres, x east, y north, z up, about `origin`; every position in here (transforms, cameras,
+/// lights) is relative to it.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// Where scene space is: a point of the scene plus this is a point of the model's own coordinates.
+    pub origin: DVec3,
+    /// What is drawn and casts; several may share one mesh.
+    pub objects: Vec<Object>,
+    /// Never empty when there are objects.
+    pub materials: Vec<Material>,
+    /// Cameras that came with the model.
+    pub cameras: Vec<NamedCamera>,
+    /// Lights that came with the model.
+    pub lights: Vec<Light>,
+}
+
+/// One mesh in one place.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// Unique within the scene only if the file's names were.
+    pub name: String,
+    /// Shared between instances.
+    pub mesh: Arc<Mesh>,
+    /// Scene space from object space; may mirror.
+    pub world_from_object: DAffine3,
+}
+
+/// How a surface looks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// As in the file; empty when it had none.
+    pub name: String,
+    /// Linear reflectance, each channel 0 to 1.
+    pub base_color: Vec3,
+}
+
+impl Default for Material {
+    /// A light, slightly warm grey.
+    fn default() -> Self {
+        Self { name: String::new(), base_color: Vec3::new(0.62, 0.60, 0.57) }
+    }
+}
+
+/// A camera that came with a model; its picture size is the user's choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedCamera {
+    /// As in the file.
+    pub name: String,
+    /// Scene space.
+    pub eye: DVec3,
+    /// Unit vector.
+    pub forward: DVec3,
+    /// Unit vector, across `forward`.
+    pub up: DVec3,
+    /// Full vertical angle.
+    pub fov_y_rad: f64,
+    /// Nothing nearer than this is seen.
+    pub near: f64,
+}
+
+impl NamedCamera {
+    /// The camera for a picture of `size_px` pixels.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] if the file's values or the size can't be used.
+    pub fn with_size(&self, size_px: [u32; 2]) -> Result<Camera, CameraError> {
+        Camera::with_up(self.eye, self.eye + self.forward, self.up, self.fov_y_rad, self.near, size_px)
+    }
+}
+
+/// Why scenes can't be joined.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The offset between two origins can't be held.
+    #[error("the models are {distance_m:.0} m apart; models in one picture must be within {MAX_DISTANCE_M} m")]
+    TooFarApart {
+        /// Distance between the two origins.
+        distance_m: f64,
+    },
+}
+
+/// Positions are `f32` about one origin: at 2,000 km they are an eighth of a metre apart.
+const MAX_DISTANCE_M: f64 = 2_000_000.0;
+
+impl Scene {
+    /// The smallest box that holds every object, scene space; empty without objects.
+    pub fn bounds(&self) -> Bounds {
+        self.objects.iter().fold(Bounds::EMPTY, |bounds, object| bounds.union(object.bounds()))
+    }
+
+    /// Triangles drawn, instances counted each.
+    pub fn triangle_count(&self) -> usize {
+        self.objects.iter().map(|o| o.mesh.triangles().len()).sum()
+    }
+
+    /// Puts `other` into this scene, keeping this scene's origin.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::TooFarApart`] when the two origins are too far apart for `f32` positions.
+    pub fn add(&mut self, other: Scene) -> Result<(), SceneError> {
+        if self.objects.is_empty() {
+            *self = other;
+            return Ok(());
+        }
+        let offset = other.origin - self.origin;
+        if !(offset.length() <= MAX_DISTANCE_M) {
+            return Err(SceneError::TooFarApart { distance_m: offset.length() });
+        }
+        let first_material = self.materials.len() as u32;
+        self.materials.extend(other.materials);
+        self.objects.extend(other.objects.into_iter().map(|object| Object {
+            name: object.name,
+            mesh: Arc::new(object.mesh.with_materials_after(first_material)),
+            world_from_object: DAffine3::from_translation(offset) * object.world_from_object,
+        }));
+        self.cameras.extend(other.cameras.into_iter().map(|c| NamedCamera { eye: c.eye + offset, ..c }));
+        self.lights.extend(other.lights.into_iter().map(|l| Light { position: l.position.moved_by(offset), ..l }));
+        Ok(())
+    }
+}
+
+impl Object {
+    /// The smallest box that holds the object, scene space.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of_points(self.mesh.positions().iter().map(|p| self.world_from_object.transform_point3(p.as_dvec3())))
+    }
+}

@@ -1,0 +1,87 @@
+//! Everything that a caster hides from a light, as a closed body that reaches to infinity.
+//!
+//! ```text
+//!       light
+//!         *
+//!        / \        light cap   the chain itself
+//!       /___\       sides       the silhouette, swept away from the light to infinity
+//!      /     \      dark cap    the chain at infinity, turned round; a directional light
+//!     /       \                 needs none, for there all its points are one
+//!    v         v
+//! ```
+//!
+//! Faces are counter-clockwise seen from outside the volume, so a path that enters it meets a front face.
+//!
+//! Source: M. McGuire et al. 2003, sections 2 and 6.
+
+use glam::{DVec4, Vec3};
+
+use crate::{Caster, Chain, LightPosition, SilhouetteEdge, silhouette};
+
+/// The shadow volume of one caster and one light, as vertex indices of the caster.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShadowVolume {
+    /// Silhouette edges as the lit side walks them; one of multiplicity m is here m times.
+    pub sides: Vec<[u32; 2]>,
+    /// Triangles that face the light; the dark cap is the same triangles at infinity, wound the other way.
+    pub light_cap: Vec<[u32; 3]>,
+    /// Different silhouette edges, multiplicities aside.
+    pub silhouette_edges: usize,
+}
+
+impl ShadowVolume {
+    /// The volume over `chain`, a chain of `caster`.
+    pub fn new(caster: &Caster, chain: &Chain) -> Self {
+        let edges = silhouette(&caster.topology, chain);
+        let repeat = |e: &SilhouetteEdge| std::iter::repeat_n([e.start, e.end], e.multiplicity as usize);
+        let light_cap = caster
+            .mesh
+            .triangles()
+            .iter()
+            .zip(chain.coefficients())
+            .flat_map(|(&[a, b, c], &times)| {
+                let turned = if times > 0 { [a, b, c] } else { [a, c, b] };
+                std::iter::repeat_n(turned, times.unsigned_abs().into())
+            })
+            .collect();
+        Self { sides: edges.iter().flat_map(repeat).collect(), light_cap, silhouette_edges: edges.len() }
+    }
+
+    /// The faces that are not at infinity, as homogeneous triangles: light cap, then sides.
+    ///
+    /// A side is a quad (two triangles) for a point light and one triangle for a directional one. The diagonal of a
+    /// quad starts at the lower vertex of its edge, so that the quads of one edge cancel exactly, whichever way each runs.
+    pub fn finite_faces<'a>(
+        &'a self,
+        positions: &'a [Vec3],
+        light: LightPosition,
+    ) -> impl Iterator<Item = [DVec4; 3]> + 'a {
+        let near = move |i: u32| positions[i as usize].as_dvec3().extend(1.0);
+        let far = move |i: u32| -light.from_point(positions[i as usize].as_dvec3()).extend(0.0);
+        let cap = self.light_cap.iter().map(move |t| t.map(near));
+        let sides = self.sides.iter().flat_map(move |&[start, end]| {
+            let (a, b, a_far, b_far) = (near(start), near(end), far(start), far(end));
+            let first = if light.is_directional() {
+                [a, a_far, b]
+            } else if start < end {
+                [a, b_far, b]
+            } else {
+                [b, a, a_far]
+            };
+            let second = if start < end { [a, a_far, b_far] } else { [b, a_far, b_far] };
+            std::iter::once(first).chain((!light.is_directional()).then_some(second))
+        });
+        cap.chain(sides)
+    }
+
+    /// The dark cap as directions: empty for a directional light.
+    pub fn dark_cap<'a>(
+        &'a self,
+        positions: &'a [Vec3],
+        light: LightPosition,
+    ) -> impl Iterator<Item = [DVec4; 3]> + 'a {
+        let far = move |i: u32| -light.from_point(positions[i as usize].as_dvec3()).extend(0.0);
+        let cap = if light.is_directional() { &[] } else { self.light_cap.as_slice() };
+        cap.iter().map(move |&[a, b, c]| [far(a), far(c), far(b)])
+    }
+}

@@ -1,0 +1,45 @@
+//! What the device can do, decided once.
+
+/// How much of WebGPU the device has. The lower tier is the baseline; the higher only goes faster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tier {
+    /// Compute, storage buffers, indirect draws.
+    Full,
+    /// WebGL2: none of these.
+    Basic,
+}
+
+/// The device's abilities as far as this crate asks for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Caps {
+    /// See [`Tier`].
+    pub tier: Tier,
+    /// Whether passes can be timed on the GPU.
+    pub has_timestamps: bool,
+    /// Float depth where the device has it: reversed, it is precise at every distance.
+    pub depth_stencil_format: wgpu::TextureFormat,
+}
+
+impl Caps {
+    /// Features worth asking an adapter for, as far as it has them.
+    pub(crate) fn wanted(adapter: &wgpu::Adapter) -> wgpu::Features {
+        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::DEPTH32FLOAT_STENCIL8)
+    }
+
+    /// What a device made by `adapter` with [`Caps::wanted`] can do.
+    pub(crate) fn of(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Self {
+        let has = |feature| device.features().contains(feature);
+        let flags = adapter.get_downlevel_capabilities().flags;
+        let is_full = flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::INDIRECT_EXECUTION)
+            && device.limits().max_storage_buffers_per_shader_stage >= 4;
+        Self {
+            tier: if is_full { Tier::Full } else { Tier::Basic },
+            has_timestamps: has(wgpu::Features::TIMESTAMP_QUERY),
+            depth_stencil_format: if has(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
+                wgpu::TextureFormat::Depth32FloatStencil8
+            } else {
+                wgpu::TextureFormat::Depth24PlusStencil8
+            },
+        }
+    }
+}

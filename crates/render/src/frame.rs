@@ -1,0 +1,136 @@
+//! One frame, in the order in which it happens. Read this file first.
+//!
+//! ```text
+//! surface                every opaque triangle: depth, ambient light
+//! for each light:
+//!   volumes              the shadow volumes into the stencil, from 0
+//!   light                this light, added where the stencil is 0
+//! tone                   radiance into display colours (pictures only)
+//! ```
+
+use crate::passes::{GpuVolumes, LightPass, SurfacePass, TonePass, VolumePass};
+use crate::timing::PassTimer;
+use crate::{GpuScene, Targets};
+
+/// The passes over surfaces and volumes, for one kind of target.
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub(crate) surface: SurfacePass,
+    pub(crate) volumes: VolumePass,
+    pub(crate) light: LightPass,
+}
+
+/// What the passes draw and where; all borrowed, nothing owned.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame<'a> {
+    pub(crate) targets: &'a Targets,
+    pub(crate) scene: &'a GpuScene,
+    pub(crate) view: &'a wgpu::BindGroup,
+    pub(crate) lights: &'a [FrameLight],
+}
+
+/// One light of a frame.
+#[derive(Debug)]
+pub(crate) struct FrameLight {
+    pub(crate) name: String,
+    pub(crate) uniform: wgpu::BindGroup,
+    pub(crate) volumes: GpuVolumes,
+}
+
+/// How many passes [`record`] and [`record_tone`] make together.
+pub(crate) fn pass_count(lights: usize) -> u32 {
+    2 + 2 * lights as u32
+}
+
+/// Records everything but the tone mapping.
+pub(crate) fn record(
+    passes: &Passes,
+    frame: Frame<'_>,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let clear_depth = (wgpu::LoadOp::Clear(0.0), wgpu::LoadOp::Clear(0));
+    let clear_stencil = (wgpu::LoadOp::Load, wgpu::LoadOp::Clear(0));
+    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+    let clear_color = wgpu::LoadOp::Clear(frame.targets.output.clear_color());
+    // Multisampled colour is resolved once, after the last pass that adds to it.
+    let last_light = frame.lights.len();
+
+    let color = color_attachment(frame.targets, clear_color, last_light == 0);
+    let mut pass = begin(encoder, frame, "surface", Some(color), clear_depth, timer);
+    passes.surface.draw(&mut pass, frame.scene);
+    drop(pass);
+
+    for (i, light) in frame.lights.iter().enumerate() {
+        let name = format!("volumes: {}", light.name);
+        let mut pass = begin(encoder, frame, &name, None, clear_stencil, timer);
+        passes.volumes.draw(&mut pass, frame.scene, &light.uniform, &light.volumes);
+        drop(pass);
+
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, i + 1 == last_light);
+        let name = format!("light: {}", light.name);
+        let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
+        passes.light.draw(&mut pass, frame.scene, &light.uniform);
+    }
+}
+
+/// Records the tone mapping into `to`, a headless texture or a window's.
+pub(crate) fn record_tone(
+    tone: &TonePass,
+    radiance: &wgpu::BindGroup,
+    view: &wgpu::BindGroup,
+    to: &wgpu::TextureView,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("tone"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: to,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+        })],
+        timestamp_writes: timer.writes("tone".to_owned()),
+        ..wgpu::RenderPassDescriptor::default()
+    });
+    pass.set_bind_group(0, view, &[]);
+    tone.draw(&mut pass, radiance);
+}
+
+fn color_attachment<'a>(
+    targets: &'a Targets,
+    load: wgpu::LoadOp<wgpu::Color>,
+    is_last: bool,
+) -> wgpu::RenderPassColorAttachment<'a> {
+    wgpu::RenderPassColorAttachment {
+        view: &targets.color,
+        depth_slice: None,
+        resolve_target: (is_last && targets.samples > 1).then_some(&targets.resolved_view),
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    }
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    frame: Frame<'_>,
+    label: &str,
+    color: Option<wgpu::RenderPassColorAttachment<'_>>,
+    (depth, stencil): (wgpu::LoadOp<f32>, wgpu::LoadOp<u32>),
+    timer: &mut PassTimer,
+) -> wgpu::RenderPass<'e> {
+    let colors = [color];
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: if colors[0].is_some() { &colors } else { &[] },
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &frame.targets.depth_stencil,
+            depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
+            stencil_ops: Some(wgpu::Operations { load: stencil, store: wgpu::StoreOp::Store }),
+        }),
+        timestamp_writes: timer.writes(label.to_owned()),
+        ..wgpu::RenderPassDescriptor::default()
+    });
+    pass.set_bind_group(0, frame.view, &[]);
+    pass
+}

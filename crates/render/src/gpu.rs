@@ -1,0 +1,157 @@
+//! Finding an adapter and making a device of it.
+
+use crate::Caps;
+
+/// Which adapter to use.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct AdapterChoice {
+    /// Part of the adapter's label, as [`adapter_labels`] gives it, in any case.
+    pub name: Option<String>,
+    /// Take a software adapter even where there is hardware.
+    pub is_software: bool,
+}
+
+/// Why there is no device.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// The machine has no driver at all.
+    #[error(
+        "no Vulkan or OpenGL driver was found; on Debian or Ubuntu, `apt install mesa-vulkan-drivers` gives a software one"
+    )]
+    NoDriver,
+    /// There are adapters, but not the one asked for.
+    #[error("no {wanted}; this machine has: {}", available.join("; "))]
+    NoSuchAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// Labels of what there is.
+        available: Vec<String>,
+    },
+    /// The driver refused to make a device.
+    #[error("{adapter} can't be used: {reason}")]
+    Device {
+        /// The adapter's label.
+        adapter: String,
+        /// What the driver says.
+        reason: String,
+    },
+    /// The scene does not fit into one buffer of this device.
+    #[error("the model needs a buffer of {needed_bytes} bytes, and {adapter} allows {allowed_bytes}; use a smaller model or another adapter")]
+    TooLarge {
+        /// The adapter's label.
+        adapter: String,
+        /// The buffer's size.
+        needed_bytes: u64,
+        /// The largest one that the device can make.
+        allowed_bytes: u64,
+    },
+    /// The picture does not fit into one texture of this device.
+    #[error("a picture of {}x{} pixels can't be drawn: {adapter} allows {allowed} a side", size_px[0], size_px[1])]
+    PictureTooLarge {
+        /// The adapter's label.
+        adapter: String,
+        /// Pixels across and down.
+        size_px: [u32; 2],
+        /// The largest side.
+        allowed: u32,
+    },
+    /// The device was lost, or a result could not be read back.
+    #[error("the device failed while drawing: {reason}")]
+    Lost {
+        /// What the driver says.
+        reason: String,
+    },
+}
+
+/// The device and what it can do.
+#[derive(Debug)]
+pub struct Gpu {
+    /// Makes everything.
+    pub device: wgpu::Device,
+    /// Takes finished recordings.
+    pub queue: wgpu::Queue,
+    /// Name, driver and backend, as [`adapter_labels`] gives it.
+    pub label: String,
+    /// See [`Caps`].
+    pub caps: Caps,
+}
+
+impl Gpu {
+    /// Makes a device of the adapter chosen: by default the fastest kind there is, hardware before software and
+    /// Vulkan, Metal or DX12 before OpenGL.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NoDriver`], [`GpuError::NoSuchAdapter`] or [`GpuError::Device`].
+    pub async fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
+        let mut adapters = adapters().await;
+        if adapters.is_empty() {
+            return Err(GpuError::NoDriver);
+        }
+        let available: Vec<String> = adapters.iter().map(label).collect();
+        let wanted_name = choice.name.as_ref().map(|name| name.to_lowercase());
+        adapters.retain(|adapter| {
+            let is_named = wanted_name.as_ref().is_none_or(|name| label(adapter).to_lowercase().contains(name));
+            is_named && (!choice.is_software || adapter.get_info().device_type == wgpu::DeviceType::Cpu)
+        });
+        let Some(adapter) = adapters.into_iter().next() else {
+            let kind = if choice.is_software { "software adapter" } else { "adapter" };
+            let wanted = choice.name.as_ref().map_or(kind.to_owned(), |name| format!("{kind} named `{name}`"));
+            return Err(GpuError::NoSuchAdapter { wanted, available });
+        };
+        Self::of_adapter(&adapter).await
+    }
+
+    async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+        let label = label(adapter);
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("umbrae"),
+                required_features: Caps::wanted(adapter),
+                // Whatever the adapter has: a city is larger than the smallest guaranteed buffer.
+                required_limits: adapter.limits(),
+                ..wgpu::DeviceDescriptor::default()
+            })
+            .await
+            .map_err(|e| GpuError::Device { adapter: label.clone(), reason: e.to_string() })?;
+        let caps = Caps::of(adapter, &device);
+        Ok(Self { device, queue, label, caps })
+    }
+}
+
+/// For each adapter of this machine, best first: its name, kind, driver and backend. Empty without a driver.
+pub async fn adapter_labels() -> Vec<String> {
+    adapters().await.iter().map(label).collect()
+}
+
+async fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+    adapters
+}
+
+fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (kind, u8::from(info.backend == wgpu::Backend::Gl))
+}
+
+fn label(adapter: &wgpu::Adapter) -> String {
+    let info = adapter.get_info();
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete",
+        wgpu::DeviceType::IntegratedGpu => "integrated",
+        wgpu::DeviceType::VirtualGpu => "virtual",
+        wgpu::DeviceType::Other => "unknown kind",
+        wgpu::DeviceType::Cpu => "software",
+    };
+    let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+    format!("{}, {kind}, {} {}", info.name, info.backend, driver.trim()).trim().to_owned()
+}

@@ -1,0 +1,111 @@
+//! The geometry of a scene on the GPU.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use umbrae_core::{Caster, Material};
+use wgpu::util::DeviceExt as _;
+
+use crate::{Gpu, GpuError};
+
+/// `Vertex` in `surface.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SurfaceVertex {
+    position_world: [f32; 3],
+    normal_world: [f32; 3],
+    color_srgb: [u8; 4],
+}
+
+impl SurfaceVertex {
+    pub(crate) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Self>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
+    };
+}
+
+/// A vertex of shadow volumes: position, and 1 for the copy at infinity (McGuire's doubled vertex array, section 4).
+pub(crate) type VolumeVertex = [f32; 4];
+
+pub(crate) const VOLUME_VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<VolumeVertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+};
+
+/// Vertex buffers for surfaces and for volumes, all casters in one each.
+#[derive(Debug)]
+pub struct GpuScene {
+    pub(crate) surface: wgpu::Buffer,
+    pub(crate) surface_vertices: u32,
+    pub(crate) volume_vertices: wgpu::Buffer,
+}
+
+impl GpuScene {
+    /// Uploads `casters`, which name `materials`. About 84 bytes a triangle and 32 a vertex.
+    ///
+    /// Volume vertices come caster by caster: first the caster's vertices, then their copies at infinity.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when a buffer would be larger than the device allows.
+    pub fn new(gpu: &Gpu, casters: &[Caster], materials: &[Material]) -> Result<Self, GpuError> {
+        let triangles: usize = casters.iter().map(|c| c.mesh.triangles().len()).sum();
+        let positions: usize = casters.iter().map(|c| c.positions.len()).sum();
+        let allowed_bytes = gpu.device.limits().max_buffer_size;
+        for needed in [triangles * 3 * size_of::<SurfaceVertex>(), positions * 2 * size_of::<VolumeVertex>()] {
+            let needed_bytes = needed as u64;
+            if needed_bytes > allowed_bytes {
+                return Err(GpuError::TooLarge { adapter: gpu.label.clone(), needed_bytes, allowed_bytes });
+            }
+        }
+
+        let mut surface = Vec::with_capacity(triangles * 3);
+        let mut volume = Vec::with_capacity(positions * 2);
+        for caster in casters {
+            push_surface(caster, materials, &mut surface);
+            for extruded in [0.0, 1.0] {
+                volume.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
+            }
+        }
+        let buffer = |label, contents| {
+            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage: wgpu::BufferUsages::VERTEX,
+            })
+        };
+        Ok(Self {
+            surface_vertices: surface.len() as u32,
+            surface: buffer("surface vertices", bytemuck::cast_slice(&surface)),
+            volume_vertices: buffer("volume vertices", bytemuck::cast_slice(&volume)),
+        })
+    }
+}
+
+fn push_surface(caster: &Caster, materials: &[Material], vertices: &mut Vec<SurfaceVertex>) {
+    let mesh = &caster.mesh;
+    for t in 0..mesh.triangles().len() {
+        let corners = caster.corners(t);
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
+        let base = materials.get(mesh.triangle_materials()[t] as usize).map_or(Vec3::ONE, |m| m.base_color);
+        let colors = mesh.corner_colors().get(t).copied().unwrap_or([Vec3::ONE; 3]);
+        for (position, color) in corners.into_iter().zip(colors) {
+            vertices.push(SurfaceVertex {
+                position_world: position.to_array(),
+                normal_world,
+                color_srgb: srgb_from_linear(base * color),
+            });
+        }
+    }
+}
+
+fn srgb_from_linear(linear: Vec3) -> [u8; 4] {
+    let encode = |c: f32| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    };
+    [encode(linear.x), encode(linear.y), encode(linear.z), 255]
+}

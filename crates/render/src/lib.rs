@@ -1,0 +1,29 @@
+//! Exact stencil shadow volumes on wgpu: a scene of `umbrae-core` into pixels, headless or in a window.
+//!
+//! Read [`frame`] first: it is the list of passes in order. [`Renderer`] is where a program starts.
+//!
+//! Ownership is short: [`Gpu`] owns the device, [`GpuScene`] the geometry, each pass its pipelines, [`Targets`] the textures,
+//! and a frame only borrows. Nothing here blocks, reads a file or knows a window; what waits is `async`.
+
+mod caps;
+pub mod frame;
+mod gpu;
+mod gpu_scene;
+mod light_volumes;
+mod look;
+mod passes;
+mod readback;
+mod renderer;
+mod shaders;
+mod targets;
+mod timing;
+mod uniforms;
+
+pub use caps::{Caps, Tier};
+pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
+pub use gpu_scene::GpuScene;
+pub use light_volumes::{CasterReport, LightVolumes, Method};
+pub use look::Look;
+pub use renderer::{LightReport, Mask, Picture, Renderer};
+pub use targets::Targets;
+pub use timing::PassTime;

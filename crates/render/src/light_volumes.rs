@@ -1,0 +1,122 @@
+//! The shadow volumes of one light, as index lists ready to draw.
+
+use umbrae_core::{Camera, Case, CaseChooser, Caster, Chain, Counting, LightPosition, ShadowVolume};
+
+/// How volumes are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// z-pass where nothing of the near rectangle can be in the caster's shadow, else z-fail. Always right.
+    #[default]
+    Auto,
+    /// z-pass for all: wrong where the near rectangle is in shadow.
+    ZPass,
+    /// z-fail for all: always right, and dearer.
+    ZFail,
+}
+
+/// What was drawn for one caster and one light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CasterReport {
+    /// McGuire's case.
+    pub case: Case,
+    /// Different edges on the chain's boundary.
+    pub silhouette_edges: usize,
+    /// Triangles drawn for the sides.
+    pub side_triangles: usize,
+    /// Triangles drawn for the dark cap.
+    pub dark_cap_triangles: usize,
+    /// Triangles drawn for the light cap.
+    pub light_cap_triangles: usize,
+}
+
+/// Indices into [`crate::GpuScene`]'s volume vertices, three a triangle, by the way they are counted.
+#[derive(Debug, Clone, Default)]
+pub struct LightVolumes {
+    /// Sides of casters in case 1.
+    pub(crate) zpass: Vec<u32>,
+    /// Sides and dark caps of casters in cases 2 and 3.
+    pub(crate) zfail: Vec<u32>,
+    /// Light caps of casters in case 3, which lie on surfaces that are drawn.
+    pub(crate) light_caps: Vec<u32>,
+    /// One entry for each caster, in order.
+    pub casters: Vec<CasterReport>,
+}
+
+impl LightVolumes {
+    /// The volumes of all `casters`; `counting` has each caster's from [`umbrae_core::counting_for_view`] and `chooser` is for the same
+    /// camera and for `light`.
+    ///
+    /// Linear in the number of triangles.
+    pub fn new(
+        casters: &[Caster],
+        counting: &[Vec<Counting>],
+        chooser: &CaseChooser,
+        light: LightPosition,
+        method: Method,
+    ) -> Self {
+        let mut volumes = Self::default();
+        let mut first_vertex = 0;
+        for (caster, counting) in casters.iter().zip(counting) {
+            let case = match method {
+                Method::Auto => chooser.case(caster),
+                Method::ZPass => Case::ZPass,
+                Method::ZFail => chooser.case_without_zpass(caster),
+            };
+            let chain = Chain::new(caster, light, counting);
+            let volume = ShadowVolume::new(caster, &chain);
+            let report = volumes.add(&volume, case, light.is_directional(), first_vertex, caster.positions.len() as u32);
+            volumes.casters.push(report);
+            first_vertex += 2 * caster.positions.len() as u32;
+        }
+        volumes
+    }
+
+    fn add(
+        &mut self,
+        volume: &ShadowVolume,
+        case: Case,
+        is_directional: bool,
+        first_vertex: u32,
+        vertex_count: u32,
+    ) -> CasterReport {
+        let near = |i: u32| first_vertex + i;
+        let far = |i: u32| first_vertex + vertex_count + i;
+        let target = if case == Case::ZPass { &mut self.zpass } else { &mut self.zfail };
+        let before = target.len();
+        for &[a, b] in &volume.sides {
+            if is_directional {
+                target.extend([near(a), far(a), near(b)]);
+            } else if a < b {
+                // The diagonal starts at the lower vertex, so that quads of one edge that run both ways cancel exactly.
+                target.extend([near(a), far(a), far(b), near(a), far(b), near(b)]);
+            } else {
+                target.extend([near(b), near(a), far(a), near(b), far(a), far(b)]);
+            }
+        }
+        let side_triangles = (target.len() - before) / 3;
+        let mut report = CasterReport {
+            case,
+            silhouette_edges: volume.silhouette_edges,
+            side_triangles,
+            dark_cap_triangles: 0,
+            light_cap_triangles: 0,
+        };
+        if case != Case::ZPass && !is_directional {
+            for &[a, b, c] in &volume.light_cap {
+                target.extend([far(a), far(c), far(b)]);
+            }
+            report.dark_cap_triangles = volume.light_cap.len();
+        }
+        if case == Case::ZFail {
+            self.light_caps.extend(volume.light_cap.iter().flatten().map(|&i| near(i)));
+            report.light_cap_triangles = volume.light_cap.len();
+        }
+        report
+    }
+
+    /// Cases for `camera` and `light`, over `casters`.
+    pub fn chooser(camera: &Camera, light: LightPosition, casters: &[Caster]) -> CaseChooser {
+        let scene = casters.iter().fold(umbrae_core::Bounds::EMPTY, |bounds, c| bounds.union(c.bounds));
+        CaseChooser::new(camera, light, &scene)
+    }
+}

@@ -1,0 +1,45 @@
+//! How bright, and how far the ground reaches before it fades into the sky: nothing that a verdict depends on.
+
+use glam::Vec3;
+use umbrae_core::{Bounds, Light};
+
+/// Exposure and fading of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Multiplies what lights give; ambient light is in display units already.
+    pub exposure: f32,
+    /// Surfaces fade into the sky from this distance from `fade_center_world`, in metres…
+    pub fade_start_m: f32,
+    /// …to this one.
+    pub fade_end_m: f32,
+    /// Scene space.
+    pub fade_center_world: Vec3,
+}
+
+/// A white surface that faces the brightest light gets this much before tone mapping.
+const KEY: f32 = 1.15;
+
+/// The ground fades from 3 to 9 radii of the model: far enough for a low sun's shadows, near enough for no horizon line.
+const FADE_RADII: [f32; 2] = [3.0, 9.0];
+
+impl Look {
+    /// Exposed for the brightest of `lights` as it reaches the middle of `model`, or the surface of its bounding sphere where
+    /// the light is inside.
+    pub fn for_model(model: &Bounds, lights: &[Light]) -> Self {
+        let radius = model.radius().max(f64::MIN_POSITIVE);
+        let brightest = lights
+            .iter()
+            .map(|light| {
+                let offset = light.position.from_point(model.center());
+                let distance = if light.position.is_directional() { 1.0 } else { offset.length().max(radius) };
+                light.strength.max_element() / (distance * distance) as f32
+            })
+            .fold(0.0, f32::max);
+        Self {
+            exposure: if brightest > 0.0 { KEY / brightest } else { 1.0 },
+            fade_start_m: radius as f32 * FADE_RADII[0],
+            fade_end_m: radius as f32 * FADE_RADII[1],
+            fade_center_world: model.center().as_vec3(),
+        }
+    }
+}

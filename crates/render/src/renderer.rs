@@ -1,0 +1,186 @@
+//! A scene, a camera and lights into a picture or a mask.
+
+use umbrae_core::{Camera, Caster, Counting, Light, counting_for_view};
+use web_time::Instant;
+
+use crate::frame::{self, Frame, FrameLight, Passes};
+use crate::light_volumes::CasterReport;
+use crate::passes::{GpuVolumes, Layouts, LightPass, SurfacePass, TonePass, VolumePass, uniform_group};
+use crate::readback::TextureCopy;
+use crate::targets::{Output, PICTURE_FORMAT};
+use crate::timing::PassTimer;
+use crate::uniforms::{LightUniform, View};
+use crate::{Gpu, GpuError, GpuScene, LightVolumes, Look, Method, PassTime, Targets};
+
+/// Draws pictures and masks of one size of scene, with pipelines compiled once.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    layouts: Layouts,
+    picture: Passes,
+    mask: Passes,
+    tone: TonePass,
+    samples: u32,
+}
+
+/// A finished picture.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Four bytes a pixel (sRGB and 255), row by row from the top.
+    pub rgba: Vec<u8>,
+    /// For each light what was drawn.
+    pub lights: Vec<LightReport>,
+    /// GPU times of the passes in order; empty where the device can't tell.
+    pub passes: Vec<PassTime>,
+}
+
+/// A finished mask.
+#[derive(Debug, Clone)]
+pub struct Mask {
+    /// One byte a pixel, row by row from the top: 255 lit, 0 in shadow or facing away, 128 no surface.
+    pub verdicts: Vec<u8>,
+    /// What was drawn.
+    pub light: LightReport,
+}
+
+/// What one light cost and drew.
+#[derive(Debug, Clone)]
+pub struct LightReport {
+    /// One entry for each caster, in order.
+    pub casters: Vec<CasterReport>,
+    /// Time on the CPU for facing, silhouettes and volumes of all casters.
+    pub cpu_ms: f64,
+}
+
+impl Renderer {
+    /// Compiles every pipeline, for pictures with `samples` (1 or 4) samples a pixel.
+    pub fn new(gpu: Gpu, samples: u32) -> Self {
+        let layouts = Layouts::new(&gpu);
+        let passes = |output, samples| Passes {
+            surface: SurfacePass::new(&gpu, &layouts, output, samples),
+            volumes: VolumePass::new(&gpu, &layouts, samples),
+            light: LightPass::new(&gpu, &layouts, output, samples),
+        };
+        let picture = passes(Output::Picture, samples);
+        // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
+        let mask = passes(Output::Mask, 1);
+        let tone = TonePass::new(&gpu, &layouts, PICTURE_FORMAT);
+        Self { gpu, layouts, picture, mask, tone, samples }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Draws `casters`, uploaded as `scene`, as `camera` sees them under `lights`.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError`] when the picture or a volume does not fit on the device, or the device is lost.
+    pub async fn picture(
+        &self,
+        scene: &GpuScene,
+        casters: &[Caster],
+        camera: &Camera,
+        lights: &[Light],
+        method: Method,
+        look: &Look,
+    ) -> Result<Picture, GpuError> {
+        let targets = Targets::new(&self.gpu, Output::Picture, camera.size_px(), self.samples)?;
+        let counting = counting_of(casters, camera);
+        let (frame_lights, reports) = lights
+            .iter()
+            .map(|light| self.prepare_light(casters, &counting, camera, light, method))
+            .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
+        let view = self.view_group(camera, look);
+        let finished = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture"),
+            size: targets.resolved.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: PICTURE_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+
+        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(lights.len()));
+        let mut encoder = self.encoder("picture");
+        let frame = Frame { targets: &targets, scene, view: &view, lights: &frame_lights };
+        frame::record(&self.picture, frame, &mut encoder, &mut timer);
+        let radiance = self.tone.bind(&self.gpu, &targets);
+        let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
+        frame::record_tone(&self.tone, &radiance, &view, &to, &mut encoder, &mut timer);
+        let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
+        let times = timer.resolve(&self.gpu, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+
+        let rgba = copy.read(&self.gpu).await?;
+        let passes = timer.read(&self.gpu, times).await?;
+        Ok(Picture { rgba, lights: reports, passes })
+    }
+
+    /// Draws the verdict of one light at each pixel's centre.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::picture`].
+    pub async fn mask(
+        &self,
+        scene: &GpuScene,
+        casters: &[Caster],
+        camera: &Camera,
+        light: &Light,
+        method: Method,
+    ) -> Result<Mask, GpuError> {
+        let targets = Targets::new(&self.gpu, Output::Mask, camera.size_px(), 1)?;
+        let counting = counting_of(casters, camera);
+        let (frame_light, report) = self.prepare_light(casters, &counting, camera, light, method)?;
+        let look = Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: glam::Vec3::ZERO };
+        let view = self.view_group(camera, &look);
+        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(1));
+        let mut encoder = self.encoder("mask");
+        let frame = Frame { targets: &targets, scene, view: &view, lights: &[frame_light] };
+        frame::record(&self.mask, frame, &mut encoder, &mut timer);
+        let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(Mask { verdicts: copy.read(&self.gpu).await?, light: report })
+    }
+
+    fn prepare_light(
+        &self,
+        casters: &[Caster],
+        counting: &[Vec<Counting>],
+        camera: &Camera,
+        light: &Light,
+        method: Method,
+    ) -> Result<(FrameLight, LightReport), GpuError> {
+        let start = Instant::now();
+        // The shaders see the light in f32, so everything else must reason about that light too.
+        let position = light.position.rounded_to_f32();
+        let chooser = LightVolumes::chooser(camera, position, casters);
+        let volumes = LightVolumes::new(casters, counting, &chooser, position, method);
+        let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
+        let uniform = LightUniform::new(light);
+        let frame_light = FrameLight {
+            name: light.name.clone(),
+            uniform: uniform_group(&self.gpu, "light", &self.layouts.light, bytemuck::bytes_of(&uniform)),
+            volumes: GpuVolumes::new(&self.gpu, &volumes)?,
+        };
+        Ok((frame_light, LightReport { casters: volumes.casters, cpu_ms }))
+    }
+
+    fn view_group(&self, camera: &Camera, look: &Look) -> wgpu::BindGroup {
+        let view = View::new(camera, look);
+        uniform_group(&self.gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view))
+    }
+
+    fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+}
+
+fn counting_of(casters: &[Caster], camera: &Camera) -> Vec<Vec<Counting>> {
+    casters.iter().map(|caster| counting_for_view(caster, camera)).collect()
+}

@@ -1,0 +1,81 @@
+// The opaque surfaces, from both sides: once with depth and ambient light, then once for each light.
+// Entry points ending in `_mask` draw the verdict instead of the look. Needs view.wgsl and light.wgsl.
+
+struct Vertex {
+    @location(0) position_world: vec3f,
+    // Unit length, the same at all three corners: shadows are exact for flat triangles.
+    @location(1) normal_world: vec3f,
+    @location(2) color_srgb: vec4f,
+}
+
+struct Fragment {
+    @builtin(position) @invariant clip: vec4f,
+    @location(0) position_world: vec3f,
+    @location(1) normal_world: vec3f,
+    @location(2) color: vec3f,
+}
+
+@vertex
+fn vs_surface(vertex: Vertex) -> Fragment {
+    var out: Fragment;
+    out.clip = clip_position(vec4f(vertex.position_world, view.unit));
+    out.position_world = vertex.position_world;
+    out.normal_world = vertex.normal_world;
+    out.color = linear_from_srgb(vertex.color_srgb.rgb);
+    return out;
+}
+
+fn linear_from_srgb(c: vec3f) -> vec3f {
+    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+}
+
+// The normal on the eye's side of the surface.
+fn seen_normal(fragment: Fragment) -> vec3f {
+    let to_eye = view.eye_world - fragment.position_world;
+    return select(-fragment.normal_world, fragment.normal_world, dot(fragment.normal_world, to_eye) > 0.0);
+}
+
+// 1 near the model, 0 where the ground has faded into the sky.
+fn presence(fragment: Fragment) -> f32 {
+    let d = distance(fragment.position_world, view.fade_center_world);
+    return 1.0 - smoothstep(view.fade_start, view.fade_end, d);
+}
+
+@fragment
+fn fs_ambient(fragment: Fragment) -> @location(0) vec4f {
+    let n = seen_normal(fragment);
+    let to_eye = normalize(view.eye_world - fragment.position_world);
+    // Sky from above, reflected ground from below, and a little from the eye's side so that no two faces merge.
+    let hemisphere = mix(vec3f(0.150, 0.140, 0.130), vec3f(0.270, 0.305, 0.360), 0.5 + 0.5 * n.z);
+    let fill = 0.10 * max(dot(n, to_eye), 0.0);
+    let here = presence(fragment);
+    return vec4f(fragment.color * (hemisphere + fill) * here, here);
+}
+
+// 0 where the surface turns its other side to the light.
+fn irradiance(fragment: Fragment) -> vec3f {
+    let offset = to_light(fragment.position_world);
+    let distance_squared = dot(offset, offset);
+    let cosine = dot(seen_normal(fragment), offset) * inverseSqrt(distance_squared);
+    let falloff = select(1.0, 1.0 / distance_squared, light.position_world.w > 0.5);
+    return light.strength * (max(cosine, 0.0) * falloff);
+}
+
+@fragment
+fn fs_light(fragment: Fragment) -> @location(0) vec4f {
+    let radiance = fragment.color * irradiance(fragment) * (view.exposure * presence(fragment));
+    return vec4f(radiance, 0.0);
+}
+
+@fragment
+fn fs_dark_mask(fragment: Fragment) -> @location(0) vec4f {
+    return vec4f(0.0);
+}
+
+@fragment
+fn fs_lit_mask(fragment: Fragment) -> @location(0) vec4f {
+    if dot(seen_normal(fragment), to_light(fragment.position_world)) <= 0.0 {
+        discard;
+    }
+    return vec4f(1.0);
+}

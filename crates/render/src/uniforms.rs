@@ -1,0 +1,125 @@
+//! Structs shared with WGSL, and the test that keeps the twins alike.
+
+use bytemuck::{Pod, Zeroable};
+use umbrae_core::{Camera, Light};
+
+use crate::Look;
+
+/// `View` in `view.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct View {
+    clip_from_world: [[f32; 4]; 4],
+    eye_world: [f32; 3],
+    unit: f32,
+    right_world: [f32; 3],
+    exposure: f32,
+    up_world: [f32; 3],
+    fade_start: f32,
+    forward_world: [f32; 3],
+    fade_end: f32,
+    fade_center_world: [f32; 3],
+    unused: f32,
+}
+
+impl View {
+    pub(crate) fn new(camera: &Camera, look: &Look) -> Self {
+        let [right, up, forward] = camera.axes();
+        let half = camera.half_extent();
+        Self {
+            clip_from_world: camera.clip_from_world().as_mat4().to_cols_array_2d(),
+            eye_world: camera.eye().as_vec3().to_array(),
+            unit: 1.0,
+            right_world: (right * half.x).as_vec3().to_array(),
+            exposure: look.exposure,
+            up_world: (up * half.y).as_vec3().to_array(),
+            fade_start: look.fade_start_m,
+            forward_world: forward.as_vec3().to_array(),
+            fade_end: look.fade_end_m,
+            fade_center_world: look.fade_center_world.to_array(),
+            unused: 0.0,
+        }
+    }
+}
+
+/// `Light` in `light.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LightUniform {
+    position_world: [f32; 4],
+    strength: [f32; 3],
+    unused: f32,
+}
+
+impl LightUniform {
+    pub(crate) fn new(light: &Light) -> Self {
+        Self {
+            position_world: light.position.homogeneous().as_vec4().to_array(),
+            strength: light.strength.to_array(),
+            unused: 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    /// Size of the WGSL struct `name`, and for each member its name and offset.
+    fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
+        let module = naga::front::wgsl::parse_str(source).expect("valid WGSL");
+        module
+            .types
+            .iter()
+            .find_map(|(_, ty)| match &ty.inner {
+                naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
+                    *span as usize,
+                    members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize)).collect(),
+                )),
+                _ => None,
+            })
+            .expect("the struct is in the source")
+    }
+
+    macro_rules! assert_same_layout {
+        ($rust:ty, $source:expr, $name:literal, [$($field:ident),* $(,)?]) => {
+            let (span, members) = wgsl_layout($source, $name);
+            assert_eq!(span, size_of::<$rust>(), "size of {}", $name);
+            let rust = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field))),*];
+            assert_eq!(members, rust, "members of {}", $name);
+        };
+    }
+
+    #[test]
+    fn view_has_the_same_bytes_in_rust_and_wgsl() {
+        assert_same_layout!(
+            View,
+            include_str!("shaders/view.wgsl"),
+            "View",
+            [
+                clip_from_world,
+                eye_world,
+                unit,
+                right_world,
+                exposure,
+                up_world,
+                fade_start,
+                forward_world,
+                fade_end,
+                fade_center_world,
+                unused,
+            ]
+        );
+    }
+
+    #[test]
+    fn light_has_the_same_bytes_in_rust_and_wgsl() {
+        assert_same_layout!(
+            LightUniform,
+            include_str!("shaders/light.wgsl"),
+            "Light",
+            [position_world, strength, unused]
+        );
+    }
+}
