@@ -22,18 +22,19 @@
 use std::ops::{ControlFlow, Range};
 
 use glam::Vec3A;
+use rayon::prelude::*;
 
 /// Planes of `N` boxes, side by side: smallest x, y, z, then largest x, y, z.
 pub(crate) type Planes<const N: usize> = [[f32; N]; 6];
 
-/// How far the interval of a box is widened, as a part of the largest parameter at which the line meets the box's
-/// planes across the ray's longest axis z.
+/// How far the interval of a box is widened at both ends, as a part of M, the largest |t| at which the line meets the
+/// box's two planes across z, the ray's longest axis.
 ///
-/// The triangle test moves a corner A by rounding: its x across the ray is `A.x d.z (1 + a) - A.z d.x (1 + b)` with
-/// |a|, |b| just over 2 ulp (1 ulp here is 2^-53). A point of the triangle so moved, at parameter t, satisfies the slab of x to
-/// within 2 ulp of A.x / d.x and of M, where M is the largest |A.z / d.z| in the box. |A.x / d.x| matters only up to 2 M,
-/// as t itself is at most M: 6 ulp of M. The slab's own division, product and final subtraction add 7 more. 16 is
-/// the next power of 2.
+/// The triangle test moves a corner A (seen from the origin) by rounding: across the ray, its x is
+/// `A.x d.z (1 + e) - A.z d.x (1 + f)` with |e| and |f| just over 2 u, where u = 2^-53. Where a triangle so moved meets
+/// the ray, at t, weighing its corners and dividing by d.z d.x gives t (1 + f) = A.x / d.x (1 + e): t is off the slab of x by
+/// 2 u M, and 2 u of where the slab begins or ends. That matters only up to 2 M, as |t| is at most M: 6 u M in all. The
+/// inverse, the product and the last sum of [`Slabs::interval`] add 7 u M. The next power of 2 is 16.
 const PAD: f64 = 16.0 * (f64::EPSILON / 2.0);
 
 /// A ray as boxes see it. Axis 2 is the one along which its direction is longest, whichever that is in space.
@@ -114,6 +115,10 @@ struct Extent {
 impl Extent {
     const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
+    fn of(pieces: &[Piece]) -> Self {
+        pieces.iter().fold(Self::EMPTY, |e, p| e.union(p.extent))
+    }
+
     fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
@@ -148,43 +153,52 @@ impl Piece {
     }
 }
 
-/// Where a child is: `count` pieces from `start` on or, if `count` is 0, the node `start` places after its parent.
-/// Being relative, it stays right when a subtree that another thread built is appended.
+/// Children of a node.
+const WIDTH: usize = 4;
+/// The most triangles that a leaf may have.
+const MAX_LEAF: usize = 8;
+/// What testing the boxes of a cut costs, in triangle tests. Measured: 2 saves a third of the nodes, for as much time.
+const NODE_COST: f64 = 1.6;
+/// On each axis one more than the places where a cut is tried. Measured: 16 saves 2 % of the tests, 32 saves 4 %.
+const BINS: usize = 8;
+/// Below this many levels the surface area decides, from there on the number of pieces, so that no input, however
+/// uneven, makes the tree deeper than [`MAX_LEVELS`]. Real models have 10 to 14.
+const AREA_LEVELS: usize = 24;
+/// Quartering brings 2^32 pieces down to 1 in 16 levels.
+const MAX_LEVELS: usize = AREA_LEVELS + 16;
+/// Subtrees with fewer pieces are not worth handing to another thread.
+const MIN_PARALLEL: usize = 8192;
+
+/// Where a child is: `count` pieces from place `start` on or, if `count` is 0, the node `start` further on than its
+/// parent. Being relative, it stays right when a subtree that another thread built is appended.
 #[derive(Debug, Clone, Copy, Default)]
 struct Link {
     start: u32,
     count: u32,
 }
 
-/// Two children; exactly one cache line.
+/// Up to four children, the rest empty boxes that no ray meets; exactly two cache lines.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 struct Node {
-    planes: Planes<2>,
-    links: [Link; 2],
+    planes: Planes<WIDTH>,
+    links: [Link; WIDTH],
 }
 
 impl Node {
-    fn new(extents: [Extent; 2], links: [Link; 2]) -> Self {
-        let [min, max] = [extents.map(|e| e.min.to_array()), extents.map(|e| e.max.to_array())];
-        let plane = |p: usize| if p < 3 { min.map(|m| m[p]) } else { max.map(|m| m[p - 3]) };
-        Self { planes: std::array::from_fn(plane), links }
+    /// A node with the boxes of `runs`, not yet linked to anything.
+    fn new(runs: &[Run]) -> Self {
+        let mut planes: Planes<WIDTH> =
+            std::array::from_fn(|plane| [if plane < 3 { f32::INFINITY } else { f32::NEG_INFINITY }; WIDTH]);
+        for (lane, run) in runs.iter().enumerate() {
+            for axis in 0..3 {
+                planes[axis][lane] = run.extent.min[axis];
+                planes[axis + 3][lane] = run.extent.max[axis];
+            }
+        }
+        Self { planes, links: [Link::default(); WIDTH] }
     }
 }
-
-/// The most triangles that a leaf may have.
-const MAX_LEAF: usize = 8;
-/// What testing the two boxes of a node costs, in triangle tests.
-const NODE_COST: f64 = 1.0;
-/// Places at which a cut is tried on each axis, plus one.
-const BINS: usize = 16;
-/// Below this many levels the surface area decides; from there on every cut halves the number of pieces, so that no input, however
-/// uneven, makes the tree deeper than [`MAX_LEVELS`]. Real models stay below 40.
-const AREA_LEVELS: usize = 48;
-/// Halving brings 2^32 pieces down to a leaf in 32 levels.
-const MAX_LEVELS: usize = AREA_LEVELS + 32;
-/// Subtrees with fewer pieces are not worth handing to another thread.
-const MIN_PARALLEL: usize = 8192;
 
 /// The tree. It knows pieces only by their place in the order into which [`Tree::new`] brought them.
 #[derive(Debug, Clone)]
@@ -202,10 +216,12 @@ impl Tree {
         assert!(u32::try_from(pieces.len()).is_ok(), "{} triangles are more than 32 bits can name", pieces.len());
         let mut nodes = Vec::new();
         if !pieces.is_empty() {
-            let extent = extent_of(pieces);
-            let root = grow(pieces, &extent, 0, 0, &mut nodes);
+            let all = Run { start: 0, count: pieces.len(), extent: Extent::of(pieces), is_leaf: false };
+            let root = grow(pieces, all, 0, &mut nodes);
             if root.count > 0 {
-                nodes.push(Node::new([extent, Extent::EMPTY], [root, Link::default()]));
+                let mut node = Node::new(&[all]);
+                node.links[0] = root;
+                nodes.push(node);
             }
         }
         nodes.shrink_to_fit();
@@ -231,90 +247,117 @@ impl Tree {
         if self.nodes.is_empty() {
             return ControlFlow::Continue(());
         }
-        // Each level leaves at most one child waiting.
-        let mut waiting = [(0.0, Link::default()); MAX_LEVELS];
-        let mut height = 0;
-        let mut link = Link::default();
-        loop {
+        // Each level leaves all but one of its children waiting.
+        let mut waiting = [(f64::NEG_INFINITY, Link::default()); MAX_LEVELS * (WIDTH - 1) + 1];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (near, link) = waiting[height];
+            if near > t_max {
+                continue;
+            }
             if link.count > 0 {
                 let start = link.start as usize;
                 t_max = leaf(start..start + link.count as usize, t_max)?;
-            } else {
-                let index = link.start as usize;
-                let node = &self.nodes[index];
-                let (near, far) = slabs.interval(&node.planes);
-                let is_met = [0, 1].map(|i| near[i] <= far[i] && near[i] <= t_max && far[i] >= t_min);
-                let child = |i: usize| {
+                continue;
+            }
+            let node = &self.nodes[link.start as usize];
+            let (near, far) = slabs.interval(&node.planes);
+            let bottom = height;
+            for i in 0..WIDTH {
+                if near[i] <= far[i] && near[i] <= t_max && far[i] >= t_min {
                     let Link { start, count } = node.links[i];
-                    Link { start: if count > 0 { start } else { link.start + start }, count }
-                };
-                if is_met[0] && is_met[1] {
-                    let first = usize::from(near[1] < near[0]);
-                    waiting[height] = (near[1 - first], child(1 - first));
+                    let child = Link { start: if count > 0 { start } else { link.start + start }, count };
+                    // Nearest on top.
+                    let mut at = height;
+                    while at > bottom && waiting[at - 1].0 < near[i] {
+                        waiting[at] = waiting[at - 1];
+                        at -= 1;
+                    }
+                    waiting[at] = (near[i], child);
                     height += 1;
-                    link = child(first);
-                    continue;
-                }
-                if is_met[0] || is_met[1] {
-                    link = child(usize::from(is_met[1]));
-                    continue;
-                }
-            }
-            loop {
-                if height == 0 {
-                    return ControlFlow::Continue(());
-                }
-                height -= 1;
-                let (near, next) = waiting[height];
-                if near <= t_max {
-                    link = next;
-                    break;
                 }
             }
         }
+        ControlFlow::Continue(())
     }
 }
 
-fn extent_of(pieces: &[Piece]) -> Extent {
-    pieces.iter().fold(Extent::EMPTY, |e, p| e.union(p.extent))
+/// Pieces at neighbouring places.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    /// The place of the first one.
+    start: usize,
+    count: usize,
+    extent: Extent,
+    /// Whether it is known not to be worth cutting.
+    is_leaf: bool,
 }
 
-/// Appends the subtree over `pieces`, the first of which has place `first`, to `nodes`. A node's link is relative to
-/// the start of `nodes`.
-fn grow(pieces: &mut [Piece], extent: &Extent, first: usize, level: usize, nodes: &mut Vec<Node>) -> Link {
-    let Some(middle) = cut(pieces, extent, level) else {
-        return Link { start: first as u32, count: pieces.len() as u32 };
-    };
-    let (left, right) = pieces.split_at_mut(middle);
-    let extents = [extent_of(left), extent_of(right)];
+/// Appends the subtree over `pieces`, which are those of `run`, to `nodes`. A link to a node that it gives back counts
+/// from the start of `nodes`.
+fn grow(pieces: &mut [Piece], run: Run, level: usize, nodes: &mut Vec<Node>) -> Link {
+    let runs = divide(pieces, run, level);
+    if runs.len() == 1 {
+        return Link { start: run.start as u32, count: run.count as u32 };
+    }
     let here = nodes.len();
-    nodes.push(Node::new(extents, [Link::default(); 2]));
-    let mut links = if left.len().min(right.len()) >= MIN_PARALLEL {
-        let mut others = Vec::new();
-        let (left, mut right) = rayon::join(
-            || grow(left, &extents[0], first, level + 1, nodes),
-            || grow(right, &extents[1], first + middle, level + 1, &mut others),
-        );
-        if right.count == 0 {
-            right.start += nodes.len() as u32;
-        }
-        nodes.append(&mut others);
-        [left, right]
-    } else {
-        [
-            grow(left, &extents[0], first, level + 1, nodes),
-            grow(right, &extents[1], first + middle, level + 1, nodes),
-        ]
+    nodes.push(Node::new(&runs));
+    let from_here = |Link { start, count }: Link, subtree_start: usize| Link {
+        start: if count > 0 { start } else { (subtree_start + start as usize - here) as u32 },
+        count,
     };
-    for link in links.iter_mut().filter(|link| link.count == 0) {
-        link.start -= here as u32;
+    let mut rest = pieces;
+    let children: Vec<_> = runs
+        .into_iter()
+        .map(|run| {
+            let (pieces, others) = std::mem::take(&mut rest).split_at_mut(run.count);
+            rest = others;
+            (pieces, run)
+        })
+        .collect();
+    let subtree = |(pieces, run)| {
+        let mut nodes = Vec::new();
+        (grow(pieces, run, level + 1, &mut nodes), nodes)
+    };
+    if run.count >= MIN_PARALLEL {
+        let subtrees: Vec<_> = children.into_par_iter().map(subtree).collect();
+        for (lane, (link, mut subtree)) in subtrees.into_iter().enumerate() {
+            nodes[here].links[lane] = from_here(link, nodes.len());
+            nodes.append(&mut subtree);
+        }
+    } else {
+        for (lane, (pieces, run)) in children.into_iter().enumerate() {
+            let link = grow(pieces, run, level + 1, nodes);
+            nodes[here].links[lane] = from_here(link, 0);
+        }
     }
-    nodes[here].links = links;
     Link { start: here as u32, count: 0 }
 }
 
-/// Brings `pieces` into two parts and says where the second one begins; `None` to make them a leaf.
-fn cut(pieces: &mut [Piece], extent: &Extent, level: usize) -> Option<usize> {
+/// Cuts `pieces`, which are those of `run`, into up to [`WIDTH`] runs, each time the one that the most rays meet.
+fn divide(pieces: &mut [Piece], run: Run, level: usize) -> Vec<Run> {
+    let mut runs = Vec::with_capacity(WIDTH);
+    runs.push(run);
+    while runs.len() < WIDTH {
+        let size = |run: &Run| if level < AREA_LEVELS { run.extent.half_area() } else { run.count as f64 };
+        let largest =
+            (0..runs.len()).filter(|&i| !runs[i].is_leaf).max_by(|&i, &j| size(&runs[i]).total_cmp(&size(&runs[j])));
+        let Some(i) = largest else { break };
+        let Run { start, count, extent, .. } = runs[i];
+        let first = start - run.start;
+        if let Some((left, extents)) = cut(&mut pieces[first..first + count], &extent, level) {
+            runs[i] = Run { start, count: left, extent: extents[0], is_leaf: false };
+            runs.insert(i + 1, Run { start: start + left, count: count - left, extent: extents[1], is_leaf: false });
+        } else {
+            runs[i].is_leaf = true;
+        }
+    }
+    runs
+}
+
+/// Brings `pieces` into two parts; says how many are in the first one, and the boxes of both. `None` to make them a leaf.
+fn cut(pieces: &mut [Piece], extent: &Extent, level: usize) -> Option<(usize, [Extent; 2])> {
     if pieces.len() == 1 {
         return None;
     }
@@ -324,7 +367,8 @@ fn cut(pieces: &mut [Piece], extent: &Extent, level: usize) -> Option<usize> {
     {
         let cost_as_leaf = pieces.len() as f64 * extent.half_area();
         if pieces.len() > MAX_LEAF || best.cost + NODE_COST * extent.half_area() < cost_as_leaf {
-            return Some(partition(pieces, |p| grid.bins(p)[best.axis] < best.bin));
+            let count = partition(pieces, |piece| grid.bins(piece)[best.axis] < best.bin as f32);
+            return Some((count, best.extents));
         }
     }
     if pieces.len() <= MAX_LEAF {
@@ -333,26 +377,27 @@ fn cut(pieces: &mut [Piece], extent: &Extent, level: usize) -> Option<usize> {
     // All in one place, or an uneven input that went too deep: halve by number.
     let size = (centers.max - centers.min).to_array();
     let axis = (0..3).fold(0, |best, axis| if size[axis] > size[best] { axis } else { best });
-    let middle = pieces.len() / 2;
-    pieces.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
-    Some(middle)
+    let count = pieces.len() / 2;
+    pieces.select_nth_unstable_by(count, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
+    let (left, right) = pieces.split_at(count);
+    Some((count, [Extent::of(left), Extent::of(right)]))
 }
 
-/// Gives each piece, on each axis, one of `count` bins of equal width.
+/// Gives each piece, on each axis, one of [`BINS`] bins of equal width.
 struct Grid {
     min: Vec3A,
     scale: Vec3A,
-    count: usize,
 }
 
 impl Grid {
-    fn new(centers: &Extent, count: usize) -> Self {
-        Self { min: centers.min, scale: Vec3A::splat(count as f32) / (centers.max - centers.min), count }
+    fn new(centers: &Extent) -> Self {
+        Self { min: centers.min, scale: BINS as f32 / (centers.max - centers.min) }
     }
 
-    fn bins(&self, piece: &Piece) -> [usize; 3] {
-        // An axis without width divides 0 by 0, and casting what is not a number gives bin 0.
-        ((piece.center() - self.min) * self.scale).to_array().map(|x| (x as usize).min(self.count - 1))
+    /// On each axis the bin, plus less than 1; an axis without width, which divides 0 by 0, has the last bin alone.
+    fn bins(&self, piece: &Piece) -> Vec3A {
+        const LAST: Vec3A = Vec3A::splat((BINS - 1) as f32);
+        ((piece.center() - self.min) * self.scale).min(LAST)
     }
 }
 
@@ -360,18 +405,19 @@ impl Grid {
 struct Cut {
     axis: usize,
     bin: usize,
+    extents: [Extent; 2],
     /// Half areas times numbers of pieces, both sides.
     cost: f64,
 }
 
-/// The cut between two bins that makes a ray test the fewest triangles; `None` if all pieces are in one bin on each axis.
+/// The cut between two bins that makes a ray test the fewest triangles; `None` if on each axis all are in one bin.
 fn cheapest_cut(pieces: &[Piece], centers: &Extent) -> Option<(Grid, Cut)> {
-    let count = pieces.len().clamp(4, BINS);
-    let grid = Grid::new(centers, count);
+    let grid = Grid::new(centers);
     let mut bins = [[(Extent::EMPTY, 0_u32); BINS]; 3];
     for piece in pieces {
-        for (bins, bin) in bins.iter_mut().zip(grid.bins(piece)) {
-            let (extent, number) = &mut bins[bin];
+        let places = grid.bins(piece).to_array();
+        for (bins, place) in bins.iter_mut().zip(places) {
+            let (extent, number) = &mut bins[place as i32 as usize];
             *extent = extent.union(piece.extent);
             *number += 1;
         }
@@ -379,22 +425,20 @@ fn cheapest_cut(pieces: &[Piece], centers: &Extent) -> Option<(Grid, Cut)> {
     let mut best: Option<Cut> = None;
     for (axis, bins) in bins.iter().enumerate() {
         // What lies below each bin, then what lies from it on.
-        let mut below = [(0.0, 0); BINS];
-        let mut sum = (Extent::EMPTY, 0);
-        for (below, (extent, number)) in below.iter_mut().zip(&bins[..count]) {
-            *below = (sum.0.half_area() * f64::from(sum.1), sum.1);
-            sum = (sum.0.union(*extent), sum.1 + number);
+        let mut below = [(Extent::EMPTY, 0); BINS];
+        for bin in 1..BINS {
+            let ((extent, number), (more, count)) = (below[bin - 1], bins[bin - 1]);
+            below[bin] = (extent.union(more), number + count);
         }
-        sum = (Extent::EMPTY, 0);
-        for bin in (1..count).rev() {
-            sum = (sum.0.union(bins[bin].0), sum.1 + bins[bin].1);
-            let (cost_below, number_below) = below[bin];
-            if number_below == 0 || sum.1 == 0 {
+        let mut above = (Extent::EMPTY, 0);
+        for bin in (1..BINS).rev() {
+            above = (above.0.union(bins[bin].0), above.1 + bins[bin].1);
+            if below[bin].1 == 0 || bins[bin].1 == 0 {
                 continue;
             }
-            let cost = cost_below + sum.0.half_area() * f64::from(sum.1);
+            let cost = [below[bin], above].map(|(extent, number)| extent.half_area() * f64::from(number)).iter().sum();
             if best.as_ref().is_none_or(|b| cost < b.cost) {
-                best = Some(Cut { axis, bin, cost });
+                best = Some(Cut { axis, bin, extents: [below[bin].0, above.0], cost });
             }
         }
     }
@@ -413,4 +457,96 @@ fn partition(pieces: &mut [Piece], is_left: impl Fn(&Piece) -> bool) -> usize {
         }
     }
     start
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes of single points.
+    fn pieces(points: impl IntoIterator<Item = [f32; 3]>) -> Vec<Piece> {
+        points.into_iter().enumerate().map(|(id, p)| Piece::new(&[p; 3], id as u32)).collect()
+    }
+
+    /// Checks everything below the node and says how many levels that is.
+    fn check(tree: &Tree, pieces: &[Piece], index: usize, within: &Planes<1>, seen: &mut [bool]) -> usize {
+        let node = &tree.nodes[index];
+        let mut levels = 0;
+        for (lane, link) in node.links.iter().enumerate() {
+            let planes: Planes<1> = node.planes.map(|lanes| [lanes[lane]]);
+            if planes[0] > planes[3] {
+                continue;
+            }
+            let is_in = |outer: &Planes<1>| (0..3).all(|i| outer[i] <= planes[i] && planes[i + 3] <= outer[i + 3]);
+            assert!(is_in(within), "the box of node {index}, child {lane} sticks out of that of the node");
+            if link.count == 0 {
+                levels = levels.max(check(tree, pieces, index + link.start as usize, &planes, seen));
+                continue;
+            }
+            assert!(link.count as usize <= MAX_LEAF);
+            for place in link.start..link.start + link.count {
+                assert!(!std::mem::replace(&mut seen[place as usize], true), "place {place} is in two leaves");
+                let Extent { min, max } = pieces[place as usize].extent;
+                assert!(
+                    (0..3).all(|i| planes[i][0] <= min[i] && max[i] <= planes[i + 3][0]),
+                    "place {place} sticks out"
+                );
+            }
+        }
+        levels + 1
+    }
+
+    fn levels(mut pieces: Vec<Piece>) -> usize {
+        let tree = Tree::new(&mut pieces);
+        let mut seen = vec![false; pieces.len()];
+        let all = std::array::from_fn(|plane| [if plane < 3 { f32::NEG_INFINITY } else { f32::INFINITY }]);
+        let levels = check(&tree, &pieces, 0, &all, &mut seen);
+        assert!(seen.iter().all(|&s| s), "a piece is in no leaf");
+        levels
+    }
+
+    #[test]
+    fn each_piece_is_in_one_leaf_and_in_every_box_above_it() {
+        for count in [1, 2, 7, 8, 9, 1000, 40_000] {
+            let levels = levels(pieces((0..count).map(|i| [(i % 97) as f32, (i % 89) as f32, (i % 83) as f32])));
+            assert!(levels <= 16, "{levels} levels for {count} pieces");
+        }
+    }
+
+    #[test]
+    fn a_node_is_two_cache_lines() {
+        assert_eq!(size_of::<Node>(), 128);
+    }
+
+    #[test]
+    fn pieces_all_in_one_place_make_a_shallow_tree() {
+        let levels = levels(pieces(std::iter::repeat_n([1.0; 3], 100_000)));
+        assert!(levels < AREA_LEVELS, "{levels} levels");
+    }
+
+    #[test]
+    fn pieces_ever_closer_to_one_point_do_not_make_the_tree_too_deep() {
+        // Each cut of equal bins takes off only the few outermost, down to the smallest `f32`.
+        let spiral = (0..200_000_u32).map(|i| {
+            let mut point = [0.0; 3];
+            point[i as usize % 3] = f32::from_bits((i / 3) * (f32::MAX.to_bits() / 70_000));
+            point
+        });
+        let levels = levels(pieces(spiral));
+        assert!((AREA_LEVELS..=MAX_LEVELS).contains(&levels), "{levels} levels");
+    }
+
+    #[test]
+    fn a_box_holds_the_interval_of_every_box_inside_it_to_the_last_bit() {
+        let outer: Planes<1> = [[-0.1], [0.3], [1.0], [0.7], [0.9], [1.0]];
+        let inner: Planes<1> = [[0.1], [0.3], [1.0], [0.1], [0.8], [1.0]];
+        for i in 0..1000 {
+            let angle = f64::from(i) * 0.1;
+            // Among them rays in a face and along an edge of both boxes.
+            let direction = [angle.cos() * f64::from(i % 3), angle.sin() * f64::from(i % 2), 3.0];
+            let slabs = Slabs::new([0, 1, 2], [0.1_f32.into(), 0.3_f32.into(), 1.0 - f64::from(i % 5)], direction);
+            let [([outer_near], [outer_far]), ([near], [far])] = [&outer, &inner].map(|planes| slabs.interval(planes));
+            assert!(outer_near <= near && far <= outer_far, "ray {i}");
+        }
+    }
 }

@@ -85,17 +85,25 @@ impl Gpu {
     ///
     /// [`GpuError::NoDriver`], [`GpuError::NoSuchAdapter`] or [`GpuError::Device`].
     pub async fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
-        let mut adapters = adapters().await;
-        if adapters.is_empty() {
-            return Err(GpuError::NoDriver);
-        }
-        let available: Vec<String> = adapters.iter().map(label).collect();
         let wanted_name = choice.name.as_ref().map(|name| name.to_lowercase());
-        adapters.retain(|adapter| {
+        let is_wanted = |adapter: &wgpu::Adapter| {
             let is_named = wanted_name.as_ref().is_none_or(|name| label(adapter).to_lowercase().contains(name));
             is_named && (!choice.is_software || adapter.get_info().device_type == wgpu::DeviceType::Cpu)
-        });
-        let Some(adapter) = adapters.into_iter().next() else {
+        };
+        let mut available = Vec::new();
+        let mut wanted = None;
+        for backends in BACKENDS_IN_ORDER {
+            let adapters = adapters(backends).await;
+            available.extend(adapters.iter().map(label));
+            wanted = adapters.into_iter().find(is_wanted);
+            if wanted.is_some() {
+                break;
+            }
+        }
+        if available.is_empty() {
+            return Err(GpuError::NoDriver);
+        }
+        let Some(adapter) = wanted else {
             let kind = if choice.is_software { "software adapter" } else { "adapter" };
             let wanted = choice.name.as_ref().map_or(kind.to_owned(), |name| format!("{kind} named `{name}`"));
             return Err(GpuError::NoSuchAdapter { wanted, available });
@@ -120,27 +128,33 @@ impl Gpu {
     }
 }
 
+/// OpenGL is asked only when nothing better will do: its loaders take time and talk on standard error.
+const BACKENDS_IN_ORDER: [wgpu::Backends; 2] = [wgpu::Backends::PRIMARY, wgpu::Backends::GL];
+
 /// For each adapter of this machine, best first: its name, kind, driver and backend. Empty without a driver.
 pub async fn adapter_labels() -> Vec<String> {
-    adapters().await.iter().map(label).collect()
+    let mut labels = Vec::new();
+    for backends in BACKENDS_IN_ORDER {
+        labels.extend(adapters(backends).await.iter().map(label));
+    }
+    labels
 }
 
-async fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
-    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
-    adapters
-}
-
-fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
-    let kind = match info.device_type {
+/// The adapters of `backends`, hardware first.
+async fn adapters(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters = instance.enumerate_adapters(backends).await;
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    };
-    (kind, u8::from(info.backend == wgpu::Backend::Gl))
+    });
+    adapters
 }
 
 fn label(adapter: &wgpu::Adapter) -> String {

@@ -18,6 +18,7 @@ mod shaders;
 mod targets;
 mod timing;
 mod uniforms;
+mod verify;
 
 pub use caps::{Caps, Tier};
 pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
@@ -27,3 +28,4 @@ pub use look::Look;
 pub use renderer::{LightReport, Mask, Picture, Renderer};
 pub use targets::Targets;
 pub use timing::PassTime;
+pub use verify::{Comparison, compare};

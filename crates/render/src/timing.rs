@@ -13,7 +13,7 @@ pub struct PassTime {
 
 /// Collects timestamps while a frame is recorded; does nothing where the device has none.
 #[derive(Debug)]
-pub struct PassTimer {
+pub(crate) struct PassTimer {
     queries: Option<wgpu::QuerySet>,
     capacity: u32,
     names: Vec<String>,

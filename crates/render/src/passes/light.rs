@@ -30,8 +30,9 @@ impl LightPass {
             compare: wgpu::CompareFunction::Equal,
             ..wgpu::StencilFaceState::IGNORE
         };
-        let pipeline = surface_pipeline(gpu, layouts, output, samples, &SurfaceState {
+        let pipeline = surface_pipeline(gpu, output, samples, &SurfaceState {
             label: "light",
+            layout: &layouts.view_and_light,
             entry_point,
             blend,
             depth_stencil: wgpu::DepthStencilState {

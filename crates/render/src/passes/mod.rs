@@ -17,6 +17,7 @@ use crate::{Gpu, uniforms};
 pub(crate) struct Layouts {
     pub(crate) view: wgpu::BindGroupLayout,
     pub(crate) light: wgpu::BindGroupLayout,
+    pub(crate) view_only: wgpu::PipelineLayout,
     pub(crate) view_and_light: wgpu::PipelineLayout,
 }
 
@@ -24,8 +25,9 @@ impl Layouts {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let view = uniform_layout(gpu, "view", size_of::<uniforms::View>());
         let light = uniform_layout(gpu, "light", size_of::<uniforms::LightUniform>());
+        let view_only = pipeline_layout(gpu, "view only", &[&view]);
         let view_and_light = pipeline_layout(gpu, "view and light", &[&view, &light]);
-        Self { view, light, view_and_light }
+        Self { view, light, view_only, view_and_light }
     }
 }
 

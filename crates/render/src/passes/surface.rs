@@ -21,8 +21,9 @@ impl SurfacePass {
             Output::Picture => "fs_ambient",
             Output::Mask => "fs_dark_mask",
         };
-        let pipeline = surface_pipeline(gpu, layouts, output, samples, &SurfaceState {
+        let pipeline = surface_pipeline(gpu, output, samples, &SurfaceState {
             label: "surface",
+            layout: &layouts.view_only,
             entry_point,
             blend: None,
             depth_stencil: wgpu::DepthStencilState {
@@ -45,6 +46,7 @@ impl SurfacePass {
 /// In what the two passes over the surfaces differ.
 pub(super) struct SurfaceState<'a> {
     pub(super) label: &'a str,
+    pub(super) layout: &'a wgpu::PipelineLayout,
     pub(super) entry_point: &'a str,
     pub(super) blend: Option<wgpu::BlendState>,
     pub(super) depth_stencil: wgpu::DepthStencilState,
@@ -52,7 +54,6 @@ pub(super) struct SurfaceState<'a> {
 
 pub(super) fn surface_pipeline(
     gpu: &Gpu,
-    layouts: &Layouts,
     output: Output,
     samples: u32,
     state: &SurfaceState<'_>,
@@ -60,7 +61,7 @@ pub(super) fn surface_pipeline(
     let module = shaders::surface(&gpu.device);
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(state.label),
-        layout: Some(&layouts.view_and_light),
+        layout: Some(state.layout),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("vs_surface"),

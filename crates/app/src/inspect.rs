@@ -1,0 +1,255 @@
+//! `umbrae inspect`: what a model is made of, and how it will cast. Starts no GPU.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::sync::Arc;
+
+use serde::Serialize;
+use umbrae_core::{Bounds, Caster, Mesh, MeshCounts, Object, Scene, Surface, Topology, TopologyCounts};
+use umbrae_formats::{Format, Model};
+
+use crate::cli::InspectArgs;
+use crate::model::{format_name, load_one};
+use crate::talk::Talk;
+
+/// The JSON of `umbrae inspect --json`.
+#[derive(Debug, Serialize)]
+pub struct Inspection {
+    file: String,
+    format: &'static str,
+    up: &'static str,
+    origin: [f64; 3],
+    #[serde(flatten)]
+    total: Counts,
+    objects: Vec<ObjectJson>,
+    cameras: Vec<String>,
+    lights: Vec<String>,
+    warnings: Vec<String>,
+}
+
+/// Counts of one object or of the whole model.
+#[derive(Debug, Clone, Serialize)]
+pub struct Counts {
+    /// As read, degenerate ones included.
+    pub triangles: usize,
+    /// As read, before welding.
+    pub vertices: usize,
+    /// After welding at bit-equal positions.
+    pub welded_vertices: usize,
+    /// Of the triangles that are left.
+    pub edges: usize,
+    /// With one triangle.
+    pub border_edges: usize,
+    /// With more than two.
+    pub non_manifold_edges: usize,
+    /// With two that walk it the same way.
+    pub inconsistent_edges: usize,
+    /// Whether every edge has exactly two triangles.
+    pub closed: bool,
+    /// Connected through edges.
+    pub components: Components,
+    /// Dropped: two corners at one position.
+    pub degenerate_triangles: usize,
+    /// Of the scene, instances included; model coordinates, z up.
+    pub bounds: BoundsJson,
+}
+
+/// Components by the way they cast.
+#[derive(Debug, Clone, Serialize)]
+pub struct Components {
+    /// Closed and consistently wound: only faces turned to the light cast.
+    pub closed: usize,
+    /// All others: every triangle casts.
+    pub other: usize,
+}
+
+/// A box.
+#[derive(Debug, Clone, Serialize)]
+pub struct BoundsJson {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct ObjectJson {
+    name: String,
+    #[serde(flatten)]
+    counts: Counts,
+}
+
+/// Prints what is in `args.model`.
+///
+/// # Errors
+///
+/// When the file can't be loaded.
+pub fn run(args: &InspectArgs, talk: &Talk) -> anyhow::Result<()> {
+    // JSON carries the warnings itself.
+    let quiet = Talk::new(true, crate::cli::ColorWhen::Never);
+    let model = load_one(&args.model, args.up, if args.json { &quiet } else { talk })?;
+    let inspection = Inspection::new(args.model.display().to_string(), &model);
+    let text = if args.json {
+        format!("{}\n", serde_json::to_string_pretty(&inspection)?)
+    } else {
+        inspection.text()
+    };
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+impl Inspection {
+    /// Counts everything in `model`, which was read from `file`.
+    ///
+    /// In the whole, a mesh counts once however many instances it has. Groups of an OBJ file and solids of an STL file are parts of one
+    /// surface, so there the whole is welded as one and may be closed where its parts are not; meshes of a glTF file are bodies of their own.
+    pub fn new(file: String, model: &Model) -> Self {
+        let scene = &model.scene;
+        let origin = scene.origin;
+        let counted: Vec<ObjectJson> = Caster::of_scene(scene)
+            .iter()
+            .map(|caster| ObjectJson {
+                name: caster.name.clone(),
+                counts: Counts::new(
+                    caster.mesh.counts(),
+                    caster.mesh.positions().len(),
+                    caster.topology.counts(),
+                    caster.bounds,
+                    origin,
+                ),
+            })
+            .collect();
+        let total = match model.format {
+            Format::Gltf => total_of_meshes(scene),
+            Format::Obj | Format::Ply | Format::Stl => total_of_surface(scene),
+        };
+        Self {
+            file,
+            format: format_name(model.format),
+            up: match model.up {
+                umbrae_formats::UpAxis::Y => "y",
+                umbrae_formats::UpAxis::Z => "z",
+            },
+            origin: origin.to_array(),
+            total,
+            objects: counted,
+            cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
+            lights: scene.lights.iter().map(|l| l.name.clone()).collect(),
+            warnings: model.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Counts of the whole model.
+    pub fn total(&self) -> &Counts {
+        &self.total
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}: {}, {} up\n", self.file, self.format, self.up);
+        self.total.write_to(&mut text, "  ");
+        if self.origin != [0.0; 3] {
+            let _ = writeln!(text, "  origin                 {:?}", self.origin);
+        }
+        for (what, names) in [("camera", &self.cameras), ("light", &self.lights)] {
+            for name in names {
+                let _ = writeln!(text, "  {what:<22} {name}");
+            }
+        }
+        if self.objects.len() > 1 {
+            let _ = writeln!(text, "{} objects", self.objects.len());
+            for object in &self.objects {
+                let _ = writeln!(text, "  {}", object.name);
+                object.counts.write_to(&mut text, "    ");
+            }
+        }
+        text
+    }
+}
+
+impl Counts {
+    fn new(
+        mesh: MeshCounts,
+        welded_vertices: usize,
+        topology: TopologyCounts,
+        bounds: Bounds,
+        origin: glam::DVec3,
+    ) -> Self {
+        Self {
+            triangles: mesh.triangles_read,
+            vertices: mesh.vertices_read,
+            welded_vertices,
+            edges: topology.edges,
+            border_edges: topology.border_edges,
+            non_manifold_edges: topology.non_manifold_edges,
+            inconsistent_edges: topology.inconsistent_edges,
+            closed: topology.is_closed(),
+            components: Components { closed: topology.closed_components, other: topology.other_components },
+            degenerate_triangles: mesh.degenerate_triangles,
+            bounds: BoundsJson { min: (bounds.min + origin).to_array(), max: (bounds.max + origin).to_array() },
+        }
+    }
+
+    fn write_to(&self, text: &mut String, indent: &str) {
+        let kind = match (self.closed, self.components.other) {
+            (true, 0) => "closed, consistently wound",
+            (true, _) => "closed, not consistently wound",
+            (false, 0) => "closed in the wider sense: every edge is walked equally often both ways",
+            (false, _) => "not closed: every triangle casts by itself where that is so",
+        };
+        let BoundsJson { min, max } = &self.bounds;
+        let rows = [
+            ("triangles", format!("{} ({} degenerate, dropped)", self.triangles, self.degenerate_triangles)),
+            ("vertices", format!("{} ({} after welding)", self.vertices, self.welded_vertices)),
+            ("edges", self.edges.to_string()),
+            ("  border", self.border_edges.to_string()),
+            ("  non-manifold", self.non_manifold_edges.to_string()),
+            ("  inconsistently wound", self.inconsistent_edges.to_string()),
+            ("components", format!("{} closed, {} other", self.components.closed, self.components.other)),
+            ("surface", kind.to_owned()),
+            ("from", format!("{min:?}")),
+            ("to", format!("{max:?}")),
+        ];
+        for (name, value) in rows {
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{indent}{name:<22} {value}");
+        }
+    }
+}
+
+/// Each mesh once.
+fn total_of_meshes(scene: &Scene) -> Counts {
+    let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
+    for object in &scene.objects {
+        if !meshes.iter().any(|mesh| Arc::ptr_eq(mesh, &object.mesh)) {
+            meshes.push(&object.mesh);
+        }
+    }
+    let (mut counts, mut welded, mut topology) = (MeshCounts::default(), 0, TopologyCounts::default());
+    for mesh in meshes {
+        counts = plus(counts, mesh.counts());
+        welded += mesh.positions().len();
+        topology = topology.plus(Topology::new(mesh).counts());
+    }
+    Counts::new(counts, welded, topology, scene.bounds(), scene.origin)
+}
+
+/// All objects welded into one.
+fn total_of_surface(scene: &Scene) -> Counts {
+    let counts = scene.objects.iter().map(|o| o.mesh.counts()).fold(MeshCounts::default(), plus);
+    let mut whole = Surface::default();
+    for object in &scene.objects {
+        let first = whole.positions.len() as u32;
+        whole.positions.extend_from_slice(object.mesh.positions());
+        whole.triangles.extend(object.mesh.triangles().iter().map(|t| t.map(|i| i + first)));
+    }
+    let whole = Mesh::new(whole).expect("the parts were good meshes");
+    let object = Object { name: String::new(), mesh: Arc::new(whole), world_from_object: glam::DAffine3::IDENTITY };
+    let topology = Topology::new(&object.mesh).counts();
+    Counts::new(counts, object.mesh.positions().len(), topology, object.bounds(), scene.origin)
+}
+
+fn plus(a: MeshCounts, b: MeshCounts) -> MeshCounts {
+    MeshCounts {
+        triangles_read: a.triangles_read + b.triangles_read,
+        vertices_read: a.vertices_read + b.vertices_read,
+        degenerate_triangles: a.degenerate_triangles + b.degenerate_triangles,
+    }
+}

@@ -1,0 +1,257 @@
+//! A glTF mesh as one surface: all its primitives that are triangles, morphed and skinned as they are at rest.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::{DAffine3, DVec3, Vec3};
+use umbrae_core::Surface;
+
+use super::accessor::Accessors;
+use super::document::{Mesh, Primitive};
+use crate::warnings::{Warnings, Words};
+
+/// What happens to a mesh's vertices before its node places them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Pose<'a> {
+    /// How much of each morph target is added.
+    pub(super) weights: &'a [f64],
+    /// For each joint, where it takes vertices from the mesh's own space; empty without a skin.
+    pub(super) joints: Vec<DAffine3>,
+}
+
+/// Materials by number, with one more for primitives that have none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MaterialCount(pub(super) usize);
+
+/// The surface of `mesh`; without triangles if none of its primitives has any.
+///
+/// What is wrong is said in words that fit after "mesh 3: ".
+pub(super) fn surface(
+    mesh: &Mesh,
+    pose: &Pose<'_>,
+    accessors: &Accessors<'_>,
+    materials: MaterialCount,
+    warnings: &mut Warnings,
+) -> Result<Surface, String> {
+    let mut merged = Merged::default();
+    for (index, primitive) in mesh.primitives.iter().enumerate() {
+        if let Some(words) = skipped_mode(primitive.mode) {
+            warnings.add(1, words);
+            continue;
+        }
+        merged
+            .add(primitive, pose, accessors, materials, warnings)
+            .map_err(|message| format!("primitive {index}: {message}"))?;
+    }
+    Ok(merged.surface)
+}
+
+fn skipped_mode(mode: u32) -> Option<Words> {
+    match mode {
+        0 => Some(["point primitive was skipped", "point primitives were skipped"]),
+        1..=3 => Some(["line primitive was skipped", "line primitives were skipped"]),
+        _ => None,
+    }
+}
+
+/// The primitives of a mesh so far.
+#[derive(Debug, Default)]
+struct Merged<'a> {
+    surface: Surface,
+    /// Primitives of different materials often share their vertices: for what makes these, the first and the count.
+    blocks: HashMap<(&'a BTreeMap<String, usize>, &'a [BTreeMap<String, usize>]), (u32, usize)>,
+}
+
+impl<'a> Merged<'a> {
+    fn add(
+        &mut self,
+        primitive: &'a Primitive,
+        pose: &Pose<'_>,
+        accessors: &Accessors<'_>,
+        materials: MaterialCount,
+        warnings: &mut Warnings,
+    ) -> Result<(), String> {
+        let (first, vertex_count) = self.vertices(primitive, pose, accessors, warnings)?;
+        let indices = match primitive.indices {
+            Some(accessor) => {
+                let indices = accessors.indices(accessor)?;
+                if let Some(i) = indices.iter().position(|&index| index as usize >= vertex_count) {
+                    let index = indices[i];
+                    return Err(format!(
+                        "index {i} of accessor {accessor} is vertex {index}, but there are {vertex_count}"
+                    ));
+                }
+                indices
+            }
+            None => (0..vertex_count as u32).collect(),
+        };
+        let before = self.surface.triangles.len();
+        let unused = add_triangles(primitive.mode, &indices, first, &mut self.surface.triangles)?;
+        warnings.add(
+            unused,
+            ["index beyond the last whole triangle was skipped", "indices beyond the last whole triangle were skipped"],
+        );
+        let material = match primitive.material {
+            Some(material) if material < materials.0 => material,
+            Some(material) => {
+                let words = ["material that does not exist was replaced", "materials that do not exist were replaced"];
+                warnings.add_one(words, || format!("material {material} of {}", materials.0));
+                materials.0
+            }
+            None => materials.0,
+        };
+        let added = self.surface.triangles.len() - before;
+        self.surface.triangle_materials.extend(std::iter::repeat_n(material as u32, added));
+        Ok(())
+    }
+
+    /// Adds the vertices of a primitive unless they are there already; the first and their count.
+    fn vertices(
+        &mut self,
+        primitive: &'a Primitive,
+        pose: &Pose<'_>,
+        accessors: &Accessors<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(u32, usize), String> {
+        let key = (&primitive.attributes, primitive.targets.as_slice());
+        if let Some(&block) = self.blocks.get(&key) {
+            return Ok(block);
+        }
+        let positions = positions(primitive, pose, accessors)?;
+        let first = self.surface.positions.len();
+        let block = (u32::try_from(first).map_err(|_| "there are too many vertices for one mesh")?, positions.len());
+        self.surface.positions.extend(positions.iter().map(|p| p.as_vec3()));
+
+        let colors = &mut self.surface.vertex_colors;
+        if let Some(&accessor) = primitive.attributes.get("COLOR_0") {
+            let added = accessors.colors(accessor).map_err(|message| format!("COLOR_0: {message}"))?;
+            check_count("COLOR_0", added.len(), positions.len())?;
+            colors.resize(first, Vec3::ONE);
+            let bad = added.iter().filter(|color| !DVec3::from(**color).is_finite()).count();
+            warnings.add(
+                bad,
+                ["vertex colour is not a number and became white", "vertex colours are not numbers and became white"],
+            );
+            let finite = |color: [f64; 3]| Some(DVec3::from(color).as_vec3()).filter(|c| c.is_finite());
+            colors.extend(added.into_iter().map(|color| finite(color).unwrap_or(Vec3::ONE)));
+        } else if !colors.is_empty() {
+            colors.resize(self.surface.positions.len(), Vec3::ONE);
+        }
+        self.blocks.insert(key, block);
+        Ok(block)
+    }
+}
+
+fn check_count(attribute: &str, count: usize, vertices: usize) -> Result<(), String> {
+    if count == vertices { Ok(()) } else { Err(format!("{attribute} has {count} elements for {vertices} vertices")) }
+}
+
+/// The positions of a primitive in its pose.
+fn positions(primitive: &Primitive, pose: &Pose<'_>, accessors: &Accessors<'_>) -> Result<Vec<DVec3>, String> {
+    let read = |accessor: usize| -> Result<Vec<DVec3>, String> {
+        let vectors = accessors.vectors(accessor).map_err(|message| format!("POSITION: {message}"))?;
+        Ok(vectors.into_iter().map(|p: [f64; 3]| p.into()).collect())
+    };
+    let accessor = primitive.attributes.get("POSITION").ok_or("it has no POSITION")?;
+    let mut positions = read(*accessor)?;
+    for (&weight, target) in pose.weights.iter().zip(&primitive.targets).filter(|(weight, _)| **weight != 0.0) {
+        let Some(&accessor) = target.get("POSITION") else { continue };
+        let offsets = read(accessor)?;
+        check_count("a morph target", offsets.len(), positions.len())?;
+        for (position, offset) in positions.iter_mut().zip(offsets) {
+            *position += weight * offset;
+        }
+    }
+    if !pose.joints.is_empty() {
+        skin(&mut positions, primitive, &pose.joints, accessors)?;
+    }
+    Ok(positions)
+}
+
+/// Moves each position by the joints that it hangs on.
+fn skin(
+    positions: &mut [DVec3],
+    primitive: &Primitive,
+    joints: &[DAffine3],
+    accessors: &Accessors<'_>,
+) -> Result<(), String> {
+    let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
+    for set in 0.. {
+        let attribute = |name: &str| primitive.attributes.get(&format!("{name}_{set}"));
+        let (Some(&joints_of_vertex), Some(&weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
+        let joints_of_vertex: Vec<[f64; 4]> = accessors.vectors(joints_of_vertex)?;
+        let weights: Vec<[f64; 4]> = accessors.vectors(weights)?;
+        check_count("JOINTS", joints_of_vertex.len(), positions.len())?;
+        check_count("WEIGHTS", weights.len(), positions.len())?;
+        for (v, (sum, total)) in sums.iter_mut().enumerate() {
+            for (&joint, &weight) in joints_of_vertex[v].iter().zip(&weights[v]).filter(|(_, weight)| **weight != 0.0) {
+                let moved = joints
+                    .get(joint as usize)
+                    .ok_or_else(|| format!("vertex {v} hangs on joint {joint}, but its skin has {}", joints.len()))?
+                    .transform_point3(positions[v]);
+                *sum += weight * moved;
+                *total += weight;
+            }
+        }
+    }
+    for (v, (position, (sum, total))) in positions.iter_mut().zip(sums).enumerate() {
+        if total == 0.0 {
+            return Err(format!("vertex {v} hangs on no joint"));
+        }
+        // The weights should add up to 1; rounding as bytes leaves a little.
+        *position = sum / total;
+    }
+    Ok(())
+}
+
+/// Adds the triangles of `indices` with `first` added; gives the number of indices that make no triangle.
+fn add_triangles(mode: u32, indices: &[u32], first: u32, triangles: &mut Vec<[u32; 3]>) -> Result<usize, String> {
+    let corners = |t: [u32; 3]| t.map(|index| first + index);
+    match mode {
+        4 => {
+            let (whole, rest) = indices.as_chunks();
+            triangles.extend(whole.iter().map(|t| corners(*t)));
+            return Ok(rest.len());
+        }
+        // Every other triangle of a strip is walked backwards, so that all face one way.
+        5 => triangles.extend(
+            indices
+                .array_windows()
+                .enumerate()
+                .map(|(i, &[a, b, c])| corners(if i % 2 == 0 { [a, b, c] } else { [a, c, b] })),
+        ),
+        6 => triangles.extend(
+            indices
+                .first()
+                .into_iter()
+                .flat_map(|&a| indices[1..].array_windows().map(move |&[b, c]| corners([b, c, a]))),
+        ),
+        _ => return Err(format!("its mode {mode} does not exist")),
+    }
+    Ok(if indices.len() < 3 { indices.len() } else { 0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangles(mode: u32, indices: &[u32]) -> (Vec<[u32; 3]>, usize) {
+        let mut triangles = Vec::new();
+        let unused = add_triangles(mode, indices, 10, &mut triangles).expect("a mode of triangles");
+        (triangles, unused)
+    }
+
+    #[test]
+    fn the_triangles_of_a_strip_and_of_a_fan_all_face_one_way() {
+        // Around a square 0, 1, 2, 3: the strip goes 0, 1, 3, 2.
+        assert_eq!(triangles(5, &[0, 1, 3, 2]).0, [[10, 11, 13], [11, 12, 13]]);
+        assert_eq!(triangles(6, &[0, 1, 2, 3]).0, [[11, 12, 10], [12, 13, 10]]);
+        assert_eq!(triangles(4, &[0, 1, 2, 0, 2, 3]).0, [[10, 11, 12], [10, 12, 13]]);
+    }
+
+    #[test]
+    fn what_makes_no_whole_triangle_is_counted() {
+        assert_eq!(triangles(4, &[0, 1, 2, 0, 2]).1, 2);
+        assert_eq!([triangles(5, &[0, 1]), triangles(6, &[0]), triangles(6, &[])].map(|t| t.1), [2, 1, 0]);
+        assert!(add_triangles(7, &[0, 1, 2], 0, &mut Vec::new()).is_err());
+    }
+}

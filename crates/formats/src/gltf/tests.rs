@@ -1,0 +1,458 @@
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+
+use crate::{Format, LoadError, LoadOptions, Model, UpAxis, load_bytes};
+
+/// A glTF file in the making: one buffer, in a data URI.
+struct Builder {
+    json: Value,
+    bytes: Vec<u8>,
+}
+
+const FLOAT: u32 = 5126;
+const UBYTE: u32 = 5121;
+const SHORT: u32 = 5122;
+
+impl Builder {
+    fn new() -> Self {
+        let json = json!({"asset": {"version": "2.0"}, "accessors": [], "bufferViews": [], "nodes": [{"mesh": 0}]});
+        Self { json, bytes: Vec::new() }
+    }
+
+    fn push(&mut self, list: &str, value: Value) -> usize {
+        let list = self.json[list].as_array_mut().expect("a list of the file");
+        list.push(value);
+        list.len() - 1
+    }
+
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+        self.bytes.extend(bytes);
+        self.push("bufferViews", view)
+    }
+
+    fn accessor(&mut self, shape: &str, kind: u32, count: usize, bytes: &[u8]) -> usize {
+        let view = self.view(bytes);
+        self.push("accessors", json!({"bufferView": view, "componentType": kind, "count": count, "type": shape}))
+    }
+
+    fn floats(&mut self, shape: &str, width: usize, values: &[f32]) -> usize {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        self.accessor(shape, FLOAT, values.len() / width, &bytes)
+    }
+
+    /// A right triangle in the x, y plane.
+    fn triangle(&mut self) -> usize {
+        self.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+    }
+
+    fn text(&self) -> Vec<u8> {
+        let mut json = self.json.clone();
+        let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
+        json["buffers"] = json!([{"byteLength": self.bytes.len(), "uri": uri}]);
+        json.to_string().into_bytes()
+    }
+
+    fn read(&self) -> Result<Model, LoadError> {
+        load_bytes(&self.text(), Format::Gltf, "model.gltf", None, &LoadOptions::default())
+    }
+
+    fn model(&self) -> Model {
+        self.read().expect("a good file")
+    }
+
+    fn error(&self) -> String {
+        self.read().expect_err("a bad file").to_string()
+    }
+}
+
+/// One triangle, shown by node 0.
+fn one_triangle() -> Builder {
+    let mut builder = Builder::new();
+    let position = builder.triangle();
+    builder.json["meshes"] = json!([{"name": "tri", "primitives": [{"attributes": {"POSITION": position}}]}]);
+    builder
+}
+
+fn warnings(model: &Model) -> Vec<String> {
+    model.warnings.iter().map(ToString::to_string).collect()
+}
+
+/// Where the object's vertices are, in the model's own coordinates.
+fn world(model: &Model, object: usize) -> Vec<DVec3> {
+    let object = &model.scene.objects[object];
+    let place = |p: &Vec3| object.world_from_object.transform_point3(p.as_dvec3()) + model.scene.origin;
+    object.mesh.positions().iter().map(place).collect()
+}
+
+fn assert_near(actual: &[DVec3], expected: &[[f64; 3]]) {
+    assert_eq!(actual.len(), expected.len());
+    for (a, e) in actual.iter().zip(expected) {
+        assert!((*a - DVec3::from(*e)).length() < 1e-6, "{actual:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn y_up_becomes_z_up_and_an_up_axis_of_the_users_is_ignored_aloud() {
+    let builder = one_triangle();
+    let options = LoadOptions { up: Some(UpAxis::Z) };
+    let model = load_bytes(&builder.text(), Format::Gltf, "model.gltf", None, &options).expect("a good file");
+    assert_near(&world(&model, 0), &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!((model.up, model.scene.objects[0].name.as_str()), (UpAxis::Y, "tri"));
+    assert_eq!(warnings(&model), ["1 up axis was ignored, because glTF says that y is up"]);
+}
+
+#[test]
+fn transforms_compose_down_the_tree_mirrors_included() {
+    let mut builder = one_triangle();
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    builder.json["nodes"] = json!([
+        // A quarter turn about z, twice as long: x becomes y.
+        {"children": [1], "translation": [10, 0, 0], "rotation": [0, 0, 2.0 * half, 2.0 * half], "scale": [2, 2, 2]},
+        {"mesh": 0, "name": "mirrored", "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]},
+    ]);
+    let model = builder.model();
+    // In the file: (0, 0, 0) -> (5, 0, 0) -> (10, 10, 0), and so on; then (x, y, z) -> (x, -z, y).
+    assert_near(&world(&model, 0), &[[10.0, 0.0, 10.0], [10.0, 0.0, 8.0], [8.0, 0.0, 10.0]]);
+    assert_eq!(model.scene.objects[0].name, "mirrored");
+    assert!(model.scene.objects[0].world_from_object.matrix3.determinant() < 0.0, "a mirror stays one");
+}
+
+#[test]
+fn a_building_in_national_coordinates_loses_nothing() {
+    let mut builder = one_triangle();
+    builder.json["nodes"] = json!([{"mesh": 0, "translation": [25_000_000.125, 400.0, -4_000_000.25]}, {"camera": 0}]);
+    builder.json["nodes"][1]["translation"] = json!([25_000_010.0, 400.0, -4_000_000.0]);
+    builder.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]);
+    let model = builder.model();
+    assert_eq!(world(&model, 0)[1], DVec3::new(25_000_001.125, 4_000_000.25, 400.0));
+    let small = model.scene.objects[0].world_from_object.translation.abs().max_element();
+    assert!(small < 2.0, "the origin takes up what is large, {small} is left");
+    assert_eq!(model.scene.cameras[0].eye + model.scene.origin, DVec3::new(25_000_010.0, 4_000_000.0, 400.0));
+}
+
+#[test]
+fn nodes_that_show_one_mesh_share_it() {
+    let mut builder = one_triangle();
+    builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}]);
+    let objects = builder.model().scene.objects;
+    assert!(std::sync::Arc::ptr_eq(&objects[0].mesh, &objects[1].mesh));
+}
+
+#[test]
+fn only_the_default_scene_is_loaded() {
+    let mut builder = one_triangle();
+    builder.json["nodes"] = json!([{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b"}, {"mesh": 9, "name": "c"}]);
+    builder.json["scenes"] = json!([{"nodes": [0]}, {"nodes": [1]}]);
+    assert_eq!(builder.model().scene.objects[0].name, "a", "the first without a default");
+    builder.json["scene"] = json!(1);
+    assert_eq!(builder.model().scene.objects[0].name, "b");
+    builder.json["scene"] = json!(7);
+    assert_eq!(builder.error(), "model.gltf: its default scene is 7, but there are 2");
+}
+
+#[test]
+fn primitives_of_a_mesh_become_one_mesh_with_their_materials() {
+    let mut builder = one_triangle();
+    let other = builder.floats("VEC3", 3, &[5.0, 0.0, 0.0, 6.0, 0.0, 0.0, 5.0, 1.0, 0.0]);
+    let indices = builder.accessor("SCALAR", UBYTE, 4, &[2, 1, 0, 0]);
+    builder.json["materials"] = json!([
+        {"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "baseColorTexture": {"index": 0}}},
+        {"name": "glass", "alphaMode": "BLEND"},
+    ]);
+    builder.json["meshes"] = json!([{"primitives": [
+        {"attributes": {"POSITION": 0}, "material": 1},
+        {"attributes": {"POSITION": other}, "indices": indices, "material": 0},
+        {"attributes": {"POSITION": 0}, "material": 7},
+        {"attributes": {"POSITION": 0}, "mode": 1},
+    ]}]);
+    let model = builder.model();
+    let mesh = &model.scene.objects[0].mesh;
+    assert_eq!(mesh.triangle_materials(), [1, 0, 2]);
+    assert_eq!(mesh.counts().vertices_read, 6, "primitives share vertices of the same accessors");
+    assert_eq!((model.scene.materials[0].base_color, model.scene.objects[0].name.as_str()), (Vec3::X, "mesh 0"));
+    assert_eq!(mesh.positions()[mesh.triangles()[1][0] as usize], Vec3::new(5.0, 1.0, 0.0), "indices are offset");
+    assert_eq!(
+        warnings(&model),
+        [
+            "1 base colour texture is ignored",
+            "1 transparent material is drawn and casts as opaque (first: \"glass\")",
+            "1 index beyond the last whole triangle was skipped",
+            "1 material that does not exist was replaced (first: material 7 of 2)",
+            "1 line primitive was skipped",
+        ]
+    );
+}
+
+#[test]
+fn sparse_values_replace_those_of_the_accessor_or_zeros() {
+    for is_based in [true, false] {
+        let mut builder = one_triangle();
+        let places = builder.view(&[1, 2]);
+        let values: Vec<u8> = [3.0_f32, 0.0, 0.0, 0.0, 7.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let values = builder.view(&values);
+        let accessor = &mut builder.json["accessors"][0];
+        accessor["sparse"] = json!({
+            "count": 2,
+            "indices": {"bufferView": places, "componentType": UBYTE},
+            "values": {"bufferView": values},
+        });
+        if !is_based {
+            accessor.as_object_mut().expect("an object").remove("bufferView");
+        }
+        let mesh = builder.model().scene.objects[0].mesh.clone();
+        assert_eq!(mesh.positions(), [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y * 7.0]);
+        builder.json["accessors"][0]["count"] = json!(2);
+        assert!(
+            builder.error().contains("accessor 0: its sparse value 1 is for element 2 of 2"),
+            "{}",
+            builder.error()
+        );
+    }
+}
+
+#[test]
+fn interleaved_and_quantised_positions_are_read() {
+    let mut builder = Builder::new();
+    let rows = [[0_i16, 0, 0, 99], [i16::MAX, 0, 0, 99], [0, i16::MAX, i16::MIN, 99]];
+    let bytes: Vec<u8> = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let position = builder.accessor("VEC3", SHORT, 3, &bytes);
+    builder.json["bufferViews"][0]["byteStride"] = json!(8);
+    builder.json["accessors"][position]["normalized"] = json!(true);
+    builder.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_materials_unlit"]);
+    builder.json["meshes"] = json!([{"primitives": [{"attributes": {"POSITION": position}}]}]);
+    let model = builder.model();
+    assert_eq!(model.scene.objects[0].mesh.positions(), [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, -1.0)]);
+    assert!(model.warnings.is_empty());
+}
+
+#[test]
+fn vertex_colours_are_linear_and_white_where_a_primitive_has_none() {
+    let mut builder = one_triangle();
+    let other = builder.triangle();
+    let colors = builder.accessor("VEC4", UBYTE, 3, &[255, 0, 51, 9].repeat(3));
+    builder.json["accessors"][colors]["normalized"] = json!(true);
+    builder.json["meshes"][0]["primitives"] = json!([
+        {"attributes": {"POSITION": 0}},
+        {"attributes": {"POSITION": other, "COLOR_0": colors}},
+    ]);
+    let colors = builder.model().scene.objects[0].mesh.corner_colors().to_vec();
+    assert_eq!(colors, [[Vec3::ONE; 3], [Vec3::new(1.0, 0.0, 0.2); 3]]);
+}
+
+#[test]
+fn instances_multiply_a_node() {
+    let mut builder = one_triangle();
+    let translation = builder.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 9.0, 9.0, 9.0]);
+    let scale = builder.floats("VEC3", 3, &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 0.0, 0.0, 0.0]);
+    // Half a turn about z, as bytes of any length.
+    let rotation = builder.accessor("VEC4", 5120, 3, &[0, 0, 0, 127, 0, 0, 100, 0, 0, 0, 127, 0]);
+    builder.json["accessors"][rotation]["normalized"] = json!(true);
+    builder.json["nodes"][0] = json!({"mesh": 0, "name": "tree", "translation": [100, 0, 0], "extensions": {
+        "EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translation, "SCALE": scale, "ROTATION": rotation}},
+    }});
+    let model = builder.model();
+    let names: Vec<&str> = model.scene.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(names, ["tree 0", "tree 1"]);
+    assert_near(&world(&model, 1), &[[101.0, -3.0, 2.0], [99.0, -3.0, 2.0], [101.0, -3.0, 0.0]]);
+    assert!(warnings(&model)[0].starts_with("1 object was skipped (first: node 0 \"tree\": instance 2: its transform"));
+}
+
+#[test]
+fn lights_and_cameras_are_where_their_nodes_are() {
+    let mut builder = one_triangle();
+    builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "directional", "color": [1, 0.5, 0], "intensity": 2, "name": "sun"},
+        {"type": "spot", "spot": {}}, {"type": "area"},
+    ]}});
+    builder.json["cameras"] = json!([
+        {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.25}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}},
+        {"type": "perspective", "perspective": {"yfov": 4.0, "znear": 0.25}},
+    ]);
+    let light = |light: u32| json!({"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": light}}});
+    builder.json["nodes"] = json!([
+        {"mesh": 0}, light(0), light(1), light(2), {"camera": 0, "name": "eye", "translation": [1, 2, 3]}, {"camera": 1},
+        {"camera": 2},
+    ]);
+    let model = builder.model();
+    let [sun, spot] = model.scene.lights.as_slice() else { panic!("two lights: {:?}", model.scene.lights) };
+    assert_eq!((sun.name.as_str(), sun.strength), ("sun", Vec3::new(2.0, 1.0, 0.0)));
+    assert_eq!(sun.position.homogeneous(), glam::DVec4::new(0.0, -1.0, 0.0, 0.0), "it shines along -z, which is north");
+    assert_eq!((spot.name.as_str(), spot.position.homogeneous()), ("light 1", glam::DVec4::new(1.0, -3.0, 2.0, 1.0)));
+    let camera = &model.scene.cameras[0];
+    assert_eq!((camera.name.as_str(), camera.eye), ("eye", DVec3::new(1.0, -3.0, 2.0)));
+    assert_eq!((camera.forward, camera.up, camera.fov_y_rad, camera.near), (DVec3::Y, DVec3::Z, 0.5, 0.25));
+    assert_eq!(
+        warnings(&model),
+        [
+            "1 spot light shines all around (spot cones are not applied)",
+            "1 light was skipped (first: \"light 2\" is \"area\" of strength [1, 1, 1] in no usable place)",
+            "1 orthographic camera was skipped (first: \"camera 1\")",
+            "1 camera was skipped (first: \"camera 2\" at [0, 0, 0] with yfov 4 and znear 0.25)",
+        ]
+    );
+}
+
+#[test]
+fn morph_targets_add_what_their_weights_say_and_a_nodes_weights_win() {
+    let mut builder = one_triangle();
+    let target = builder.floats("VEC3", 3, &[0.0, 0.0, 2.0].repeat(3));
+    builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": target}]);
+    builder.json["meshes"][0]["weights"] = json!([0.5]);
+    builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "weights": [2]}]);
+    builder.json["animations"] = json!([{"channels": [], "samplers": []}]);
+    let model = builder.model();
+    let depths: Vec<f32> = model.scene.objects.iter().map(|object| object.mesh.positions()[0].z).collect();
+    assert_eq!(depths, [1.0, 4.0]);
+    assert_eq!(warnings(&model), ["1 animation is not played: the model is at rest"]);
+}
+
+/// A triangle whose first corner hangs on joint 0 and whose others hang half on each.
+fn skinned() -> Builder {
+    let mut builder = one_triangle();
+    let joints = builder.accessor("VEC4", UBYTE, 3, &[0, 1, 0, 0].repeat(3));
+    let weights = builder.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0]);
+    let primitive = &mut builder.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["JOINTS_0"] = json!(joints);
+    primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+    let mut binds = [[0.0_f32; 16]; 2];
+    for bind in &mut binds {
+        for diagonal in [0, 5, 10, 15] {
+            bind[diagonal] = 1.0;
+        }
+    }
+    binds[1][12] = -4.0;
+    let binds = builder.floats("MAT4", 16, binds.as_flattened());
+    builder.json["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": binds}]);
+    builder.json["nodes"] = json!([
+        {"mesh": 0, "skin": 0, "translation": [1000, 1000, 1000]},
+        {"translation": [0, 0, 1], "children": [2]},
+        {"translation": [4, 6, 0]},
+    ]);
+    builder
+}
+
+#[test]
+fn a_skinned_mesh_is_where_its_joints_are_and_not_its_node() {
+    // Joint 0 lifts by (0, 0, 1), joint 1 by (4, 6, 1) - (4, 0, 0).
+    let model = skinned().model();
+    assert_near(&world(&model, 0), &[[0.0, -1.0, 0.0], [1.0, -1.0, 3.0], [0.0, -1.0, 4.0]]);
+}
+
+#[test]
+fn a_skin_that_can_not_be_used_leaves_its_mesh_as_modelled() {
+    let mut builder = skinned();
+    builder.json["skins"][0]["joints"] = json!([1]);
+    let model = builder.model();
+    assert_eq!(world(&model, 0)[0], DVec3::new(1000.0, -1000.0, 1000.0));
+    assert_eq!(
+        warnings(&model),
+        [
+            "1 skin can't be used, so its mesh is as it was modelled (first: mesh 0 \"tri\": primitive 0: vertex 1 hangs on \
+          joint 1, but its skin has 1)"
+        ]
+    );
+}
+
+#[test]
+fn trees_that_are_none_are_refused() {
+    let mut builder = one_triangle();
+    builder.json["nodes"] = json!([{"children": [1]}, {"children": [0]}]);
+    assert!(builder.error().contains("no node of its scene shows a mesh"), "a cycle without a root is no one's");
+    builder.json["scenes"] = json!([{"nodes": [0]}]);
+    assert!(builder.error().contains("node 1: its child is node 0, which already has a place"));
+    builder.json["nodes"] = json!([{"children": [1, 2]}, {"children": [2]}, {"mesh": 0}]);
+    assert!(builder.error().contains("which already has a place"), "two parents");
+    builder.json["nodes"] = json!([{"name": "top", "children": [5]}]);
+    assert_eq!(builder.error(), "model.gltf: node 0 \"top\": its child is node 5, but there are 1");
+}
+
+#[test]
+fn a_bad_part_is_skipped_beside_a_good_one_and_refused_alone() {
+    let mut builder = one_triangle();
+    let bad = builder.floats("VEC3", 3, &[0.0, 0.0, f32::NAN, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let mesh = json!({"name": "bad", "primitives": [{"attributes": {"POSITION": bad}}]});
+    builder.push("meshes", mesh);
+    builder.json["nodes"] =
+        json!([{"mesh": 0}, {"mesh": 1}, {"mesh": 1}, {"mesh": 0, "scale": [1, 0, 1]}, {"mesh": 8}]);
+    let reason = "mesh 1 \"bad\": vertex 0 is at (0, 0, NaN); coordinates must be finite and below 1e18";
+    assert_eq!(warnings(&builder.model()), [format!("4 objects were skipped (first: {reason})")]);
+    builder.json["nodes"] = json!([{"mesh": 1}]);
+    assert_eq!(builder.error(), format!("model.gltf: {reason}"));
+}
+
+#[test]
+fn what_does_not_fit_is_told_by_its_mesh_and_accessor() {
+    let with = |place: &str, value: Value| {
+        let mut builder = one_triangle();
+        let indices = builder.accessor("SCALAR", UBYTE, 3, &[0, 1, 2]);
+        builder.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        let (parent, field) = place.rsplit_once('/').expect("a field of something");
+        builder.json.pointer_mut(parent).expect("a place in the file")[field] = value;
+        let error = builder.error();
+        error.strip_prefix("model.gltf: mesh 0 \"tri\": primitive 0: ").expect("the mesh is named").to_owned()
+    };
+    assert_eq!(with("/meshes/0/primitives/0/attributes", json!({})), "it has no POSITION");
+    assert_eq!(
+        with("/meshes/0/primitives/0/attributes/POSITION", json!(9)),
+        "POSITION: there is no accessor 9, only 2"
+    );
+    assert_eq!(with("/accessors/0/type", json!("VEC2")), "POSITION: accessor 0: it is VEC2 where VEC3 is needed");
+    assert_eq!(
+        with("/accessors/0/componentType", json!(7)),
+        "POSITION: accessor 0: its component type 7 does not exist"
+    );
+    assert_eq!(with("/accessors/0/bufferView", json!(7)), "POSITION: accessor 0: there is no buffer view 7, only 2");
+    assert_eq!(with("/bufferViews/0/buffer", json!(7)), "POSITION: accessor 0: there is no buffer 7, only 1");
+    assert_eq!(
+        with("/accessors/0/count", json!(4)),
+        "POSITION: accessor 0: its 4 elements of 12 bytes, 12 apart from byte 0, reach beyond the 36 bytes of buffer view 0"
+    );
+    assert_eq!(
+        with("/bufferViews/0/byteLength", json!(40)),
+        "POSITION: accessor 0: buffer view 0 is 40 bytes from byte 0, but buffer 0 has 39"
+    );
+    assert_eq!(with("/accessors/1/componentType", json!(FLOAT)), "accessor 1: indices can't have component type 5126");
+    assert_eq!(with("/accessors/1/byteOffset", json!(u64::MAX)).matches("reach beyond").count(), 1);
+    assert!(with("/accessors/0/count", json!(1_000_000_000)).contains("more than 64 numbers for each of its bytes"));
+}
+
+#[test]
+fn files_that_are_not_gltf_2_say_so() {
+    let error = |text: &str| {
+        let read = load_bytes(text.as_bytes(), Format::Gltf, "a.gltf", None, &LoadOptions::default());
+        read.expect_err("a bad file").to_string()
+    };
+    assert_eq!(
+        error(r#"{"asset": {"version": "1.0"}, "meshes": {"a": {}}}"#),
+        "a.gltf: it is glTF version \"1.0\"; only 2 can be read, so convert it"
+    );
+    assert!(error("{\"asset\": ").contains("its JSON can't be read: EOF while parsing a value at line 1 column 10"));
+    let mut builder = one_triangle();
+    builder.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    assert!(builder.error().contains("it needs the extension KHR_draco_mesh_compression"));
+    builder.json["extensionsRequired"] = json!(["ACME_shape"]);
+    assert_eq!(warnings(&builder.model()), ["1 required extension is unknown and ignored (first: \"ACME_shape\")"]);
+}
+
+#[test]
+fn buffers_that_can_not_be_had_say_why() {
+    let with = |uri: &str| {
+        let mut builder = one_triangle();
+        builder.json["buffers"] = json!([{"byteLength": 36, "uri": uri}]);
+        let text = builder.json.to_string();
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("short.bin"), "short").expect("a file");
+        let options = LoadOptions::default();
+        let read = load_bytes(text.as_bytes(), Format::Gltf, "a.gltf", Some(folder.path()), &options);
+        read.expect_err("a bad buffer").to_string()
+    };
+    assert!(with("no%20such.bin").ends_with("buffer 0: its file \"no such.bin\" is missing; put it beside the model"));
+    assert!(with("short.bin").ends_with("buffer 0: it announces 36 bytes, but has 5; it was cut off"));
+    assert!(with("..").ends_with("buffer 0: its file \"..\" is missing; put it beside the model"));
+    assert!(with("https://x.org/a.bin").contains("it is at \"https://x.org/a.bin\"; download it"));
+    assert!(with("data:;base64,AAAA").ends_with("it announces 36 bytes, but has 3; it was cut off"));
+}

@@ -1,0 +1,129 @@
+//! From a path or bytes to a [`Model`].
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use crate::error::Problem;
+use crate::{Format, LoadError, Model, UpAxis, gltf, obj, ply, stl};
+
+/// What a file does not say about itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LoadOptions {
+    /// The file's up axis, where its format leaves it open; `None` is what is usual for the format: z for STL,
+    /// y for OBJ and PLY. glTF says that y is up, so there this is ignored, with a warning.
+    pub up: Option<UpAxis>,
+}
+
+/// What every reader is given besides the bytes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Context<'a> {
+    /// What an object is called that the file gives no name: the file's name without its ending.
+    pub(crate) stem: &'a str,
+    /// Where files lie that this one names; `None` when it came from nowhere.
+    pub(crate) folder: Option<&'a Path>,
+    /// What the user knows about the file.
+    pub(crate) options: LoadOptions,
+}
+
+/// Loads the model in the file at `path`, whose name's ending says the format.
+///
+/// Reads the file into memory whole, and for OBJ and glTF the files it names beside it. Textures are never read.
+///
+/// # Errors
+///
+/// [`LoadError`] names the file, the place in it and the offending value. A broken part among good ones is a
+/// warning, not an error; a file without any usable triangle is an error.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    let read_error = |source: io::Error| match source.kind() {
+        io::ErrorKind::NotFound => LoadError::NotFound { path: path.to_owned() },
+        _ => LoadError::Read { path: path.to_owned(), source },
+    };
+    // Anything but an ordinary file (a device, a pipe) may have no end.
+    if !fs::metadata(path).map_err(read_error)?.is_file() {
+        return Err(LoadError::NotAFile { path: path.to_owned() });
+    }
+    let format = Format::of_path(path).ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
+    let bytes = fs::read(path).map_err(read_error)?;
+    load_bytes(&bytes, format, &path.display().to_string(), path.parent(), options)
+}
+
+/// Loads the model in `bytes`, the content of a file of this `format`.
+///
+/// `name` is what errors call the file, and without folder and ending names objects that have no name of their
+/// own. `folder` is where files are looked for that the model names (glTF buffers, OBJ materials); without one,
+/// those count as missing.
+///
+/// # Errors
+///
+/// [`LoadError::Content`]; as for [`load`].
+pub fn load_bytes(
+    bytes: &[u8],
+    format: Format,
+    name: &str,
+    folder: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Model, LoadError> {
+    let context = Context { stem: stem_of(name), folder, options: *options };
+    let read = match (other_format(bytes, format), format) {
+        (Some(other), _) => Err(Problem::whole(other)),
+        (_, Format::Gltf) => gltf::read(bytes, context),
+        (_, Format::Obj) => obj::read(bytes, context),
+        (_, Format::Ply) => ply::read(bytes, context),
+        (_, Format::Stl) => stl::read(bytes, context),
+    };
+    read.map_err(|problem| LoadError::Content { file: name.to_owned(), problem })
+}
+
+/// Why `bytes` can't be of this `format`, if their first ones are those of something else.
+fn other_format(bytes: &[u8], format: Format) -> Option<String> {
+    if bytes.is_empty() {
+        return Some("the file is empty (0 bytes)".to_owned());
+    }
+    let magics: [(&[u8], &str, Option<Format>); 6] = [
+        (b"glTF", "a .glb file", Some(Format::Gltf)),
+        (b"ply\n", "a .ply file", Some(Format::Ply)),
+        (b"ply\r", "a .ply file", Some(Format::Ply)),
+        (b"\x1f\x8b", "a gzip archive", Some(Format::Ply)),
+        (b"PK\x03\x04", "a zip archive", None),
+        (b"\x89PNG", "a picture", None),
+    ];
+    let (_, what, _) = magics.iter().find(|(magic, _, of)| bytes.starts_with(magic) && *of != Some(format))?;
+    Some(format!("this is {what} under another name; give it its own ending, unpack it or convert it"))
+}
+
+/// `houses/tower.ply.gz` is about a `tower`.
+fn stem_of(name: &str) -> &str {
+    let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let unzipped = file_name.strip_suffix(".gz").unwrap_or(file_name);
+    match unzipped.rsplit_once('.') {
+        Some((stem, _)) if !stem.is_empty() => stem,
+        _ => unzipped,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stem_is_the_name_without_folders_and_ending() {
+        assert_eq!(stem_of("a/b.c/tower.v2.ply.gz"), "tower.v2");
+        assert_eq!(stem_of("tower"), "tower");
+        assert_eq!(stem_of(".obj"), ".obj");
+    }
+
+    #[test]
+    fn a_folder_and_a_missing_file_and_an_unknown_ending_are_told_apart() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let options = LoadOptions::default();
+        let model = folder.path().join("model.obj");
+        assert!(matches!(load(&model, &options), Err(LoadError::NotFound { .. })));
+        fs::create_dir(&model).expect("a folder in it");
+        assert!(matches!(load(&model, &options), Err(LoadError::NotAFile { .. })));
+        let drawing = folder.path().join("model.dwg");
+        fs::write(&drawing, "AC1032").expect("a file in it");
+        let error = load(&drawing, &options).expect_err("we don't read drawings");
+        assert!(error.to_string().ends_with("one of .glb, .gltf, .obj, .ply, .ply.gz or .stl"), "{error}");
+    }
+}

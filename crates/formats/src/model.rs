@@ -1,0 +1,78 @@
+//! What loading gives, and the two things a format has: a name's ending and an axis that is up.
+
+use std::path::Path;
+
+use umbrae_core::Scene;
+
+use crate::Warning;
+
+/// A loaded file.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// At least one object; metres, z up, about [`Scene::origin`].
+    pub scene: Scene,
+    /// How the file was read.
+    pub format: Format,
+    /// The axis that the file was taken to have up: `Y` means that its (x, y, z) is the scene's (x, -z, y).
+    pub up: UpAxis,
+    /// What was left out or changed, each kind once.
+    pub warnings: Vec<Warning>,
+}
+
+/// A file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// glTF 2.0, as JSON (`.gltf`) or in one binary file (`.glb`); y is up.
+    Gltf,
+    /// Wavefront OBJ; does not say what is up, usually y.
+    Obj,
+    /// PLY, ascii or binary, also gzipped (`.ply.gz`); does not say what is up, usually y.
+    Ply,
+    /// STL, ascii or binary; does not say what is up, usually z.
+    Stl,
+}
+
+impl Format {
+    /// The endings that [`Format::of_path`] knows.
+    pub const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .ply.gz or .stl";
+
+    /// The format that the ending of `path` stands for, upper case or lower; `None` if we read no such format.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use umbrae_formats::Format;
+    ///
+    /// assert_eq!(Format::of_path(Path::new("dragon.PLY.gz")), Some(Format::Ply));
+    /// assert_eq!(Format::of_path(Path::new("tower.dwg")), None);
+    /// ```
+    pub fn of_path(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        let endings = [
+            (".glb", Self::Gltf),
+            (".gltf", Self::Gltf),
+            (".obj", Self::Obj),
+            (".ply", Self::Ply),
+            (".stl", Self::Stl),
+        ];
+        let (stem, zipped) = name.strip_suffix(".gz").map_or((name.as_str(), false), |stem| (stem, true));
+        let (_, format) = endings.into_iter().find(|(ending, _)| stem.ends_with(ending))?;
+        (!zipped || format == Self::Ply).then_some(format)
+    }
+
+    /// What is up in a file of this format, unless the user knows better.
+    pub fn usual_up(self) -> UpAxis {
+        match self {
+            Self::Gltf | Self::Obj | Self::Ply => UpAxis::Y,
+            Self::Stl => UpAxis::Z,
+        }
+    }
+}
+
+/// Which axis of a file points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum UpAxis {
+    /// y up, x right, z towards the viewer: the file's (x, y, z) becomes the scene's (x, -z, y).
+    Y,
+    /// z up, as in the scene: nothing changes.
+    Z,
+}

@@ -1,0 +1,268 @@
+//! Damaged and crafted files never panic, and are done with in no time.
+
+mod shared_data;
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use umbrae_formats::{Format, LoadError, LoadOptions, Model, load_bytes};
+
+/// Small files of every format and encoding.
+const VICTIMS: [&str; 20] = [
+    "gltf/AnimatedMorphCube.glb",
+    "gltf/Box-embedded.gltf",
+    "gltf/BoxInterleaved.glb",
+    "gltf/BoxVertexColors.glb",
+    "gltf/Cameras/Cameras.gltf",
+    "gltf/MeshPrimitiveModes/MeshPrimitiveModes.gltf",
+    "gltf/SimpleInstancing.glb",
+    "gltf/SimpleSkin/SimpleSkin.gltf",
+    "gltf/SimpleSparseAccessor/SimpleSparseAccessor.gltf",
+    "gltf/nested.glb",
+    "mesh/CornellBox-Original.obj",
+    "nasty/concave_polygon.obj",
+    "nasty/nancolor.obj",
+    "nasty/wallhole.obj",
+    "nasty/cube_binary_header_with_RN_newline.ply",
+    "nasty/cube_quads.ply",
+    "nasty/mirror.ply",
+    "nasty/large_block.STL",
+    "nasty/multibody.stl",
+    "nasty/triangle_with_two_solids.stl",
+];
+
+/// Of each kind of damage, to each file.
+const ROUNDS: u64 = 250;
+
+/// Far more than any of these takes, even where the machine is busy.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Numbers that look random and are the same on every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        // SplitMix64, by G. Steele, D. Lea and C. Flood, 2014.
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
+    let start = Instant::now();
+    let result = load_bytes(bytes, format, "hostile", folder, &LoadOptions::default());
+    assert!(start.elapsed() < PATIENCE, "it took {:?}", start.elapsed());
+    result
+}
+
+fn flipped(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..=random.below(8) {
+        let at = random.below(bytes.len());
+        bytes[at] ^= 1 << random.below(8);
+    }
+    bytes
+}
+
+/// One of the numbers in its text replaced by something worse.
+fn renumbered(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    let is_start = |&at: &usize| bytes[at].is_ascii_digit() && (at == 0 || !bytes[at - 1].is_ascii_digit());
+    let starts: Vec<usize> = (0..bytes.len()).filter(is_start).collect();
+    if starts.is_empty() {
+        return bytes.to_vec();
+    }
+    let start = starts[random.below(starts.len())];
+    let length = bytes[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let worse =
+        ["0", "1", "-1", "255", "65536", "2147483648", "4294967295", "18446744073709551615", "1e300", "null", "nan"];
+    let worse = worse[random.below(worse.len())];
+    [&bytes[..start], worse.as_bytes(), &bytes[start + length..]].concat()
+}
+
+#[test]
+fn damaged_files_load_or_fail_but_never_panic() {
+    let Some(root) = shared_data::folder() else { return };
+    for (number, file) in VICTIMS.iter().enumerate() {
+        let path = root.join(file);
+        let bytes = fs::read(&path).expect("a file beside the project");
+        let format = Format::of_path(&path).expect("a format of ours");
+        let mut random = Random(number as u64);
+        for _ in 0..ROUNDS {
+            let damaged = [
+                bytes[..random.below(bytes.len())].to_vec(),
+                flipped(&bytes, &mut random),
+                renumbered(&bytes, &mut random),
+            ];
+            for damaged in damaged {
+                if let Err(error) = read(&damaged, format, path.parent()) {
+                    let message = error.to_string();
+                    assert!(!message.contains('\n') && message.len() < 2000, "{file}: {message}");
+                }
+            }
+        }
+    }
+}
+
+fn error(bytes: &[u8], format: Format) -> String {
+    read(bytes, format, None).expect_err("a crafted file").to_string()
+}
+
+fn glb(json: &str) -> Vec<u8> {
+    let length = (20 + json.len()) as u32;
+    [b"glTF\x02\0\0\0", length.to_le_bytes().as_slice(), &(json.len() as u32).to_le_bytes(), b"JSON", json.as_bytes()]
+        .concat()
+}
+
+fn one_accessor(accessor: &str) -> Vec<u8> {
+    glb(&format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "buffers":[{{"byteLength":6,"uri":"data:,abcdef"}}],"bufferViews":[{{"buffer":0,"byteLength":6}}],
+        "accessors":[{{"componentType":5126,"type":"VEC3",{accessor}}}]}}"#
+    ))
+}
+
+#[test]
+fn a_billion_announced_vertices_in_300_bytes_are_not_believed() {
+    for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        let ply = format!(
+            "ply\nformat {encoding} 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uint uint vertex_indices\nend_header\n{}",
+            "0 0 0\n".repeat(20)
+        );
+        assert!(error(ply.as_bytes(), Format::Ply).contains("announces 1000000000 rows of \"vertex\""));
+    }
+    let mut stl = [0_u8; 300];
+    stl[80..84].copy_from_slice(&1_000_000_000_u32.to_le_bytes());
+    assert!(error(&stl, Format::Stl).contains("announces 1000000000 facets"));
+    let zeros = one_accessor(r#""count":1000000000"#);
+    assert!(error(&zeros, Format::Gltf).contains("1000000000 elements bring"));
+    let stored = one_accessor(r#""count":1000000000,"bufferView":0"#);
+    assert!(error(&stored, Format::Gltf).contains("1000000000 elements"));
+    let same = String::from_utf8(stored)
+        .expect("it is text")
+        .replace(r#""byteLength":6}]"#, r#""byteLength":6,"byteStride":0}]"#);
+    let json = &same[same.find('{').expect("its JSON")..];
+    assert!(read(&glb(json), Format::Gltf, None).is_err());
+}
+
+#[test]
+fn lists_and_polygons_longer_than_the_file_are_not_believed() {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uint uchar vertex_indices\nend_header\n";
+    let bytes = [header.as_bytes(), &[0; 12], &u32::MAX.to_le_bytes(), &[0; 100]].concat();
+    assert!(error(&bytes, Format::Ply).contains("a list announces 4294967295 items, but 100 bytes are left"));
+}
+
+#[test]
+fn sums_and_products_that_overflow_are_out_of_range() {
+    let max = u64::MAX;
+    for accessor in [
+        format!(r#""count":{max}"#),
+        format!(r#""count":{max},"bufferView":0"#),
+        format!(r#""count":1,"bufferView":0,"byteOffset":{max}"#),
+        format!(r#""count":{},"bufferView":0"#, max / 12 + 2),
+        format!(
+            r#""count":1,"sparse":{{"count":{max},"indices":{{"bufferView":0,"componentType":5125}},"values":{{"bufferView":0}}}}"#
+        ),
+    ] {
+        assert!(error(&one_accessor(&accessor), Format::Gltf).contains("elements"), "{accessor}");
+    }
+    let mut header = glb("{}");
+    header[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert!(error(&header, Format::Gltf).contains("announces 4294967295 bytes"));
+    header[8..12].copy_from_slice(&3_u32.to_le_bytes());
+    assert!(error(&header, Format::Gltf).contains("announces 3 bytes"));
+}
+
+#[test]
+fn nesting_and_cycles_end() {
+    let deep = format!(r#"{{"asset":{{"version":"2.0"}},"extras":{}{}}}"#, "[".repeat(100_000), "]".repeat(100_000));
+    assert!(read(&glb(&deep), Format::Gltf, None).is_err());
+    let deep = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":{}{}}}"#, "[".repeat(100_000), "]".repeat(100_000));
+    assert!(error(deep.as_bytes(), Format::Gltf).contains("its JSON can't be read"));
+    let chain: Vec<String> = (1..100_000).map(|child| format!(r#"{{"children":[{child}]}}"#)).collect();
+    let nodes = |last: &str| {
+        format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{},{last}]}}"#, chain.join(","))
+    };
+    assert!(error(nodes("{}").as_bytes(), Format::Gltf).contains("there is no mesh"));
+    assert!(error(nodes(r#"{"children":[0]}"#).as_bytes(), Format::Gltf).contains("which already has a place"));
+}
+
+/// Each node shows both nodes of the next level: 2^40 of them, if it were no tree that is asked for.
+#[test]
+fn nodes_that_double_at_each_level_are_refused() {
+    let nodes: Vec<String> = (0..40).map(|level| format!(r#"{{"children":[{0},{0}]}}"#, level + 1)).collect();
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{},{{}}]}}"#, nodes.join(","));
+    assert!(error(json.as_bytes(), Format::Gltf).contains("which already has a place"));
+}
+
+/// Thousands of meshes that name the same accessor would take the square of the file's size.
+#[test]
+fn a_file_that_repeats_itself_without_end_is_shown_in_part() {
+    // As floats 0, 2, 0; 2, 0, 0; 0, 0, 2 over and over: triangles.
+    let data = "%00%00%00%00%00%00%00@%00%00%00%00%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@"
+        .repeat(1000);
+    let mesh = vec![r#"{"primitives":[{"attributes":{"POSITION":0}}]}"#; 3000].join(",");
+    let nodes: Vec<String> = (0..3000).map(|mesh| format!(r#"{{"mesh":{mesh}}}"#)).collect();
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{}],"meshes":[{mesh}],"buffers":[{{"byteLength":36000,"uri":"data:,{data}"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36000,"byteStride":4}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":8997}}]}}"#,
+        nodes.join(","),
+    );
+    let model = read(json.as_bytes(), Format::Gltf, None).expect("the first of them are shown");
+    let warning = model.warnings[0].to_string();
+    assert!(
+        warning.contains("objects were skipped") && warning.contains("64 numbers for each of its bytes"),
+        "{warning}"
+    );
+    assert!((100..2000).contains(&model.scene.objects.len()), "{} objects", model.scene.objects.len());
+}
+
+#[test]
+fn indices_of_any_size_are_out_of_range_or_skipped() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4294967296\nf 1 2 -99999999999\nf 1 2 9223372036854775807\nf 1 2 0\n";
+    let model = read(obj.as_bytes(), Format::Obj, None).expect("one face is good");
+    assert_eq!((model.scene.triangle_count(), model.warnings.iter().map(|w| w.count).sum::<usize>()), (1, 4));
+}
+
+#[test]
+fn nothing_and_next_to_nothing_are_refused() {
+    for format in [Format::Gltf, Format::Obj, Format::Ply, Format::Stl] {
+        assert_eq!(error(b"", format), "hostile: the file is empty (0 bytes)");
+        for bytes in [&b"\0"[..], b"\n", b"{", b"\xff\xfe", b"solid", b"ply", b"glTF", b"v", b"f", b"\x1f\x8b", b"\\"] {
+            let _ = error(bytes, format);
+        }
+    }
+}
+
+/// A polygon for which ear cutting takes longest, as large as it may get.
+#[test]
+fn large_polygons_are_cut_in_time() {
+    for corners in [1_000, 16_000, 100_000] {
+        let spike = |i: usize| if i % 2 == 0 { 1.0 } else { 0.1 };
+        let angle = |i: usize| i as f64 / corners as f64 * std::f64::consts::TAU;
+        let mut obj: String = (0..corners)
+            .map(|i| format!("v {} {} 0\n", angle(i).cos() * spike(i), angle(i).sin() * spike(i)))
+            .collect();
+        obj.push('f');
+        obj.extend((1..=corners).map(|i| format!(" {i}")));
+        let model = read(obj.as_bytes(), Format::Obj, None).expect("a star");
+        assert_eq!(model.scene.triangle_count(), corners - 2);
+    }
+}
+
+#[test]
+fn a_great_many_groups_are_read_in_time() {
+    let groups: String = (0..50_000).map(|i| format!("g {i}\nf 1 2 3\n")).collect();
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".repeat(10_000);
+    let model = read(format!("{vertices}{groups}").as_bytes(), Format::Obj, None).expect("good groups");
+    assert_eq!(model.scene.objects.len(), 50_000);
+}

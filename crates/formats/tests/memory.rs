@@ -1,0 +1,133 @@
+//! However a file is made, reading it takes no more memory than a multiple of its size.
+//!
+//! Each file is read in a process of its own, whose peak Linux tells; other systems are not asked.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::io::Write;
+use std::process::Command;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use umbrae_formats::{Format, LoadOptions, load_bytes};
+
+/// Bytes of memory for each byte of a file, for the worst of them: empty nodes and empty vertices, of which one
+/// takes two or three bytes of text. Ordinary files take 5 to 20.
+const MAX_MULTIPLE: usize = 160;
+
+/// What a reader may take for any file, however small.
+const FREE_BYTES: usize = 24 << 20;
+
+/// Set for a process that is to read one file: its number.
+const CASE: &str = "UMBRAE_MEMORY_CASE";
+
+/// A field of what Linux says about this process, in bytes.
+fn status(name: &str) -> usize {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux tells");
+    let line = status.lines().find(|line| line.starts_with(name)).expect("it has this line");
+    let kilobytes = line.split_whitespace().nth(1).and_then(|number| number.parse::<usize>().ok());
+    kilobytes.expect("it is a number") * 1024
+}
+
+/// The most memory that reading takes, above what was there before.
+fn peak_bytes(bytes: &[u8], format: Format) -> usize {
+    fs::write("/proc/self/clear_refs", "5").expect("a process may reset its own peak");
+    let before = status("VmRSS:");
+    let _ = load_bytes(bytes, format, "hostile", None, &LoadOptions::default());
+    status("VmHWM:").saturating_sub(before)
+}
+
+fn gltf(parts: &str) -> Vec<u8> {
+    format!(r#"{{"asset":{{"version":"2.0"}},{parts}}}"#).into_bytes()
+}
+
+/// A thousand triangles that `nodes` show, and a thousand places.
+fn thousand(nodes: &str) -> Vec<u8> {
+    let data = "%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@"
+        .repeat(1000);
+    gltf(&format!(
+        r#""nodes":[{nodes}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3000}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36000}}],"buffers":[{{"byteLength":36000,"uri":"data:,{data}"}}]"#
+    ))
+}
+
+/// `item` over and over, with commas between.
+fn list(item: &str, count: usize) -> String {
+    let mut list = format!("{item},").repeat(count);
+    list.pop();
+    list
+}
+
+fn zipped_spaces(count: usize) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    for _ in 0..count / 1024 {
+        encoder.write_all(&[b' '; 1024]).expect("memory takes it");
+    }
+    encoder.finish().expect("memory takes it")
+}
+
+fn obj(head: &str, line: &str, count: usize) -> Vec<u8> {
+    [head.as_bytes(), line.repeat(count).as_bytes()].concat()
+}
+
+const THREE: &str = "v 1 2 3\nv 2 3 4\nv 1 1 1\n";
+
+/// A name, a format and how to make the bytes.
+type Case = (&'static str, Format, fn() -> Vec<u8>);
+
+const CASES: [Case; 15] = [
+    ("nodes of nothing", Format::Gltf, || gltf(&format!(r#""nodes":[{}]"#, list("{}", 1_000_000)))),
+    ("materials of nothing", Format::Gltf, || gltf(&format!(r#""materials":[{}]"#, list("{}", 1_000_000)))),
+    ("meshes of nothing", Format::Gltf, || gltf(&format!(r#""meshes":[{}]"#, list("{}", 1_000_000)))),
+    ("a mesh of zeros", Format::Gltf, || {
+        gltf(
+            r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"componentType":5126,"type":"VEC3","count":80000}]"#,
+        )
+    }),
+    ("many nodes", Format::Gltf, || thousand(&list(r#"{"mesh":0}"#, 100_000))),
+    ("nodes with weights of their own", Format::Gltf, || thousand(&list(r#"{"mesh":0,"weights":[]}"#, 100_000))),
+    ("instances of instances", Format::Gltf, || {
+        let node = r#"{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}}"#;
+        thousand(&list(node, 10_000))
+    }),
+    ("text that is no JSON", Format::Gltf, || vec![b'['; 3_000_000]),
+    ("vertices of nothing", Format::Obj, || obj("", "v\n", 2_000_000)),
+    ("faces of three vertices", Format::Obj, || obj(THREE, "f 1 2 3\n", 400_000)),
+    ("a face of one vertex", Format::Obj, || obj("v 0 0 0\nf", " 1", 1_500_000)),
+    ("objects of one face", Format::Obj, || obj(THREE, "o\nf 1 2 3\n", 300_000)),
+    ("announced facets", Format::Stl, || [[0; 80].as_slice(), &[0xff; 4], &[0; 300]].concat()),
+    ("announced rows", Format::Ply, || {
+        let header = "ply\nformat binary_big_endian 1.0\nelement e 4000000000\nelement vertex 4000000000\n\
+            property float x\nproperty float y\nproperty float z\nend_header\n";
+        header.as_bytes().to_vec()
+    }),
+    ("an archive of spaces", Format::Ply, || zipped_spaces(1 << 28)),
+];
+
+#[test]
+#[expect(clippy::print_stdout, reason = "the processes talk through it, and the table is for reading")]
+fn no_file_takes_more_memory_than_a_multiple_of_its_size() {
+    if let Some(case) = std::env::var_os(CASE) {
+        let case: usize = case.to_str().and_then(|case| case.parse().ok()).expect("a number");
+        let (_, format, bytes) = CASES[case];
+        println!("peak {}", peak_bytes(&bytes(), format));
+        return;
+    }
+    for (case, (name, _, bytes)) in CASES.iter().enumerate() {
+        let bytes = bytes();
+        let this_test = Command::new(std::env::current_exe().expect("this process has a file"))
+            .args(["--nocapture", "--test-threads=1"])
+            .env(CASE, case.to_string())
+            .output()
+            .expect("it can be started again");
+        let output = String::from_utf8_lossy(&this_test.stdout);
+        let peak =
+            output.lines().find_map(|line| line.split_once("peak ")).map(|(_, peak)| peak.trim().parse::<usize>());
+        let Some(Ok(peak)) = peak else { panic!("{name}: no peak in {output}") };
+        let limit = FREE_BYTES + MAX_MULTIPLE * bytes.len();
+        println!("{name}: {:.1} MB for {:.1} MB", peak as f64 / 1e6, bytes.len() as f64 / 1e6);
+        assert!(peak <= limit, "{name}: {peak} bytes of memory for a file of {}", bytes.len());
+    }
+}

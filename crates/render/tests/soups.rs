@@ -1,0 +1,89 @@
+//! Random soups on the GPU against rays: shared vertices, random windings, fans, the eye among the triangles.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, compare};
+
+/// A small seeded generator (SplitMix64): the same soups on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// From -1 to 1.
+    fn signed(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    fn point(&mut self, radius: f64) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed()) * radius
+    }
+}
+
+fn soup(random: &mut Random) -> Scene {
+    let objects = (0..2)
+        .map(|_| {
+            let positions: Vec<Vec3> = (0..12).map(|_| random.point(4.0).as_vec3()).collect();
+            let mut triangles: Vec<[u32; 3]> =
+                (0..10).map(|_| std::array::from_fn(|_| random.below(positions.len()) as u32)).collect();
+            // A fan of ten on one edge, and a few faces twice.
+            triangles.extend((2..12).map(|i| if random.below(2) == 0 { [0, 1, i] } else { [1, 0, i] }));
+            triangles.extend([triangles[3], triangles[5]]);
+            let mesh = Mesh::new(Surface { positions, triangles, ..Surface::default() }).unwrap();
+            Object { name: "soup".into(), mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY }
+        })
+        .collect();
+    Scene { objects, materials: vec![Material::default()], ..Scene::default() }
+}
+
+#[test]
+fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default())).expect("tests need a graphics driver: run scripts/setup.sh");
+    let renderer = Renderer::new(gpu, 1);
+    let mut random = Random(1);
+    let (mut surface, mut decided, mut zfail_differs) = (0, 0, 0);
+    for number in 0..40 {
+        let scene = soup(&mut random);
+        let casters = Caster::of_scene(&scene);
+        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
+        let camera = Camera::new(random.point(3.0), random.point(1.0), 1.2, 0.05, [160, 120]).unwrap();
+        let oracle = Oracle::new(&casters);
+        let corners = casters[0].corners(0).map(|p| p.as_dvec3());
+        let in_plane = corners[0] * 3.0 - corners[1] - corners[2];
+        let lights = [
+            LightPosition::point(random.point(6.0)),
+            LightPosition::point(random.point(2.0)),
+            LightPosition::point(in_plane),
+            LightPosition::directional(random.point(1.0)).unwrap(),
+        ]
+        .map(|position| Light { name: "light".into(), position: position.rounded_to_f32(), strength: Vec3::ONE });
+        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        for (light, judgements) in lights.iter().zip(&judged) {
+            for method in [Method::Auto, Method::ZFail] {
+                let drawn = renderer.mask(&gpu_scene, &casters, &camera, light, method);
+                let mask = pollster::block_on(drawn).unwrap();
+                let comparison = compare(&mask.verdicts, judgements);
+                surface += comparison.surface;
+                decided += comparison.decided;
+                zfail_differs += usize::from(mask.light.casters.iter().any(|c| c.case.number() == 1));
+                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {method:?}");
+            }
+        }
+    }
+    println!("{decided} decided of {surface} surface pixels, {zfail_differs} masks with z-pass casters");
+    assert!(decided > 2_000_000 && zfail_differs > 20);
+}
