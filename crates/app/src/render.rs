@@ -40,9 +40,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     times.load = ms_since(start);
     let model = scene.bounds();
     let choice = view_choice(args);
-    let camera = camera(&choice, &scene, &model)?;
-    let lights = lights(&choice, &scene, &model);
     let ground = (!args.no_ground).then(|| ground_under(&model));
+    let camera = camera(&choice, &scene, &model, ground.as_ref())?;
+    let lights = lights(&choice, &scene, &model);
     if let Some(ground) = &ground {
         add_ground(&mut scene, ground);
     }

@@ -47,8 +47,11 @@ const DEFAULT_EYE_DEG: [f64; 2] = [152.0, 24.0];
 const DEFAULT_FOV_DEG: f64 = 35.0;
 /// Room around the model in a default view.
 const MARGIN: f64 = 1.07;
-/// The near plane, in radii of the model: near enough to stand in a room of it.
-const NEAR_RADII: f64 = 5e-4;
+/// The near plane is this far towards the nearest thing that can be seen, so that a wide margin is left…
+const NEAR_SHARE: f64 = 0.5;
+/// …but no nearer than this, in radii of the model: enough to stand in a room of it. Depth is interpolated in `f32` along faces
+/// that reach to the near plane, so what is at distance d is good to about d / near roundings.
+const LEAST_NEAR_RADII: f64 = 1e-3;
 /// The ground is this much lower than the model, in its radii: clear of rounding, too little to see under.
 const GROUND_GAP_RADII: f64 = 2e-4;
 /// The ground ends at this many radii, beyond where it has faded.
@@ -123,27 +126,50 @@ fn sun_light([azimuth_deg, altitude_deg]: [f64; 2]) -> Light {
     }
 }
 
-/// The camera: the model's if named, else what the user said, else one that frames the model.
+/// The camera: the model's if named, else what the user said, else one that frames the model. `ground` is the one that will be drawn.
 ///
 /// # Errors
 ///
 /// When the model has no camera of that name, or what was said can't be a camera.
-pub fn camera(choice: &ViewChoice, scene: &Scene, model: &Bounds) -> anyhow::Result<Camera> {
+pub fn camera(
+    choice: &ViewChoice,
+    scene: &Scene,
+    model: &Bounds,
+    ground: Option<&Ground>,
+) -> anyhow::Result<Camera> {
     if let Some(name) = &choice.camera_name {
         return Ok(named_camera(scene, name)?.with_size(choice.size_px)?);
     }
-    let fov_deg = choice.fov_deg.unwrap_or(DEFAULT_FOV_DEG);
-    let near = NEAR_RADII * radius_of(model);
+    let fov_rad = choice.fov_deg.unwrap_or(DEFAULT_FOV_DEG).to_radians();
+    let least_near = LEAST_NEAR_RADII * radius_of(model);
     let target = choice.target.map_or(model.center(), |target| target - scene.origin);
-    let make = |eye: DVec3| Camera::new(eye, target, fov_deg.to_radians(), near, choice.size_px);
-    let Some(eye) = choice.eye else {
+    let make = |eye: DVec3, near: f64| Camera::new(eye, target, fov_rad, near, choice.size_px);
+    let eye = if let Some(eye) = choice.eye {
+        eye - scene.origin
+    } else {
         let [azimuth, altitude] = DEFAULT_EYE_DEG.map(f64::to_radians);
         let towards_eye = LightPosition::sun(azimuth, altitude).homogeneous().truncate();
         // The direction decides what fits; only then is the distance known.
-        let camera = make(target + towards_eye * radius_of(model))?;
-        return Ok(make(target + towards_eye * framing_distance(&camera, model))?);
+        let camera = make(target + towards_eye * radius_of(model), least_near)?;
+        target + towards_eye * framing_distance(&camera, model)
     };
-    make(eye - scene.origin).context("--eye and --target make no view")
+    let camera = make(eye, least_near).context("--eye and --target make no view")?;
+    let near = (NEAR_SHARE * nearest_depth(&camera, model, ground)).max(least_near);
+    Ok(make(eye, near)?)
+}
+
+/// A view depth below which `camera` sees nothing of the model's box and of the ground; may be 0 or less.
+fn nearest_depth(camera: &Camera, model: &Bounds, ground: Option<&Ground>) -> f64 {
+    let forward = camera.axes()[2];
+    let of_model = model.corners().into_iter().map(|corner| (corner - camera.eye()).dot(forward));
+    let [width, height] = camera.size_px().map(f64::from);
+    let of_ground = ground.into_iter().flat_map(|ground| {
+        let height_above = camera.eye().z - ground.height_m;
+        let corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)];
+        // A ray of view depth 1 that goes down by s is on the ground at depth height / s.
+        corners.map(|(x, y)| -height_above / camera.ray_direction(x, y).z).into_iter().filter(|&depth| depth > 0.0)
+    });
+    of_model.chain(of_ground).fold(f64::INFINITY, f64::min)
 }
 
 fn named_camera<'a>(scene: &'a Scene, name: &str) -> anyhow::Result<&'a umbrae_core::NamedCamera> {

@@ -3,9 +3,9 @@
 //! ```text
 //!       ray
 //!        \    ______________________
-//!         \  |  ____        _____   |    one node holds the boxes of its two children; the child that the
-//!          \ | |    |      |     |  |    ray enters first is looked into first, and the other one only
-//!           \| |____|      |     |  |    if nothing nearer was hit
+//!         \  |  ____        _____   |    one node holds the boxes of up to four children; those that the ray
+//!          \ | |    |      |     |  |    meets are looked into from the nearest on, and only as long as
+//!           \| |____|      |     |  |    nothing nearer was hit
 //!            \____\________|_____|__|
 //!                  \
 //! ```
@@ -16,8 +16,8 @@
 //!
 //! Why no hit is ever lost: boxes are the exact `f32` bounds of `f32` corners, and every operation of
 //! [`Slabs::interval`] is monotone under rounding, so the interval of a box contains the interval of every box inside
-//! it, to the last bit. A triangle's parameter is clamped to the interval of its own box, so no node above
-//! it can be skipped while that parameter is still wanted.
+//! it, to the last bit. The interval of the box of a triangle that is hit is not empty, as [`PAD`] shows, and the
+//! triangle's parameter is clamped to it. So no node above can be skipped while that parameter is still wanted.
 
 use std::ops::{ControlFlow, Range};
 
@@ -30,11 +30,12 @@ pub(crate) type Planes<const N: usize> = [[f32; N]; 6];
 /// How far the interval of a box is widened at both ends, as a part of M, the largest |t| at which the line meets the
 /// box's two planes across z, the ray's longest axis.
 ///
-/// The triangle test moves a corner A (seen from the origin) by rounding: across the ray, its x is
-/// `A.x d.z (1 + e) - A.z d.x (1 + f)` with |e| and |f| just over 2 u, where u = 2^-53. Where a triangle so moved meets
-/// the ray, at t, weighing its corners and dividing by d.z d.x gives t (1 + f) = A.x / d.x (1 + e): t is off the slab of x by
-/// 2 u M, and 2 u of where the slab begins or ends. That matters only up to 2 M, as |t| is at most M: 6 u M in all. The
-/// inverse, the product and the last sum of [`Slabs::interval`] add 7 u M. The next power of 2 is 16.
+/// The triangle test moves a corner A (seen from the origin) by rounding: across the ray, its x becomes
+/// `A.x d.z (1 + e) - A.z d.x (1 + f)` with |e| and |f| just over 2 u, where u = 2^-53. At the t where a triangle
+/// so moved meets the ray, the mean of this over its corners is 0. Divided by d.z d.x that is: the mean of A.z / d.z,
+/// which is t but for 2 u M, is that of A.x / d.x, which is in the slab of x but for 2 u of where the slab begins or
+/// ends. Only slabs that begin or end within 2 M matter, as |t| is at most M: 6 u M in all. The inverse, the product
+/// and the last sum of [`Slabs::interval`] add 7 u M. The next power of 2 is 16.
 const PAD: f64 = 16.0 * (f64::EPSILON / 2.0);
 
 /// A ray as boxes see it. Axis 2 is the one along which its direction is longest, whichever that is in space.
@@ -157,7 +158,8 @@ impl Piece {
 const WIDTH: usize = 4;
 /// The most triangles that a leaf may have.
 const MAX_LEAF: usize = 8;
-/// What testing the boxes of a cut costs, in triangle tests. Measured: 2 saves a third of the nodes, for as much time.
+/// What testing the boxes of a cut costs, in triangle tests. From 1 to 2 the time is the same; at 1.6 even loose
+/// triangles take less than 100 bytes each.
 const NODE_COST: f64 = 1.6;
 /// On each axis one more than the places where a cut is tried. Measured: 16 saves 2 % of the tests, 32 saves 4 %.
 const BINS: usize = 8;
@@ -356,7 +358,8 @@ fn divide(pieces: &mut [Piece], run: Run, level: usize) -> Vec<Run> {
     runs
 }
 
-/// Brings `pieces` into two parts; says how many are in the first one, and the boxes of both. `None` to make them a leaf.
+/// Brings `pieces` into two parts; says how many are in the first one, and the boxes of both. `None` to make them a
+/// leaf.
 fn cut(pieces: &mut [Piece], extent: &Extent, level: usize) -> Option<(usize, [Extent; 2])> {
     if pieces.len() == 1 {
         return None;

@@ -4,7 +4,7 @@
 //!    closed:  \ light |                other:  \ light |
 //!              \ +1   |                         \ +1   |
 //!               \_____|  0 on the                \_____|  -1: turned round, it faces
-//!                  0     dark side                        the light and casts as well
+//!                  0     dark side                  -1     the light and casts as well
 //! ```
 //!
 //! Any coefficients give a closed volume, because the boundary of a chain has no boundary. What they must do
@@ -18,24 +18,51 @@ use crate::{Caster, LightPosition};
 /// How the triangles of one component count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counting {
-    /// Only those that face the light: each body between a point and the light counts once.
+    /// Only those that face the light, +1.
     ///
-    /// Right for a closed, consistently wound component, at every point where its winding number is not negative
-    /// (outside, above all).
+    /// Right for a closed, consistently wound component where the seen point and the light are outside, and wherever else
+    /// [`Counting::choose`] says.
     Facing,
-    /// Every triangle, turned to face the light: each surface between a point and the light counts once.
+    /// Only those that face away, -1: turned round, they face the light.
+    ///
+    /// Right for a closed, consistently wound component that holds the light but not the seen point.
+    FacingAway,
+    /// All, +1 or -1, so each surface between a point and the light counts once; but 0 for those that are edge-on, whose volume
+    /// is a sheet, or, where the light lies in the triangle itself, a half-space whose cap at infinity can't be drawn.
     ///
     /// Right for anything, anywhere.
     Every,
 }
 
 impl Counting {
-    /// For each component of `caster`, the cheapest counting that is right outside it.
+    /// For each component of `caster`, the cheapest counting that is right where eye and light are outside of it.
     pub fn outside(caster: &Caster) -> Vec<Self> {
         let of = |is_closed| if is_closed { Self::Facing } else { Self::Every };
         caster.topology.components().iter().map(|c| of(c.is_closed)).collect()
     }
+
+    /// The coefficient of a triangle.
+    fn coefficient(self, turn: Turn) -> i8 {
+        match (self, turn.is_facing, turn.is_edge_on) {
+            (Self::Every, _, true) | (Self::Facing, false, _) | (Self::FacingAway, true, _) => 0,
+            (Self::Every | Self::Facing, true, _) => 1,
+            (Self::Every | Self::FacingAway, false, _) => -1,
+        }
+    }
 }
+
+/// How a triangle is turned to a light.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    /// Its counter-clockwise side is turned to the light; not when exactly edge-on.
+    is_facing: bool,
+    /// The light is in its plane, as far as `f32` can tell.
+    is_edge_on: bool,
+}
+
+/// A light nearer to a plane than this, relative to the coordinates' size (or with a cosine below it), is in the plane: a few roundings of
+/// `f32` (2^-24 each) may put it on either side.
+const EDGE_ON: f64 = 4e-7;
 
 /// For each triangle of a caster the coefficient -1, 0 or +1 with which it casts from one light.
 ///
@@ -49,21 +76,24 @@ pub struct Chain {
 impl Chain {
     /// The chain of `caster` for `light`, each component counted as `counting` says (one entry each).
     ///
-    /// A triangle seen exactly edge-on counts as facing away. Linear in the number of triangles.
+    /// Linear in the number of triangles.
     ///
     /// # Panics
     ///
     /// If `counting` has fewer entries than the caster has components.
     pub fn new(caster: &Caster, light: LightPosition, counting: &[Counting]) -> Self {
-        let facing_away = |component: u32| match counting[component as usize] {
-            Counting::Facing => 0,
-            Counting::Every => -1,
+        let reach = |p: glam::DVec3| p.abs().max_element();
+        let edge_on = if light.is_directional() {
+            EDGE_ON
+        } else {
+            let corners = reach(caster.bounds.min).max(reach(caster.bounds.max));
+            EDGE_ON * corners.max(reach(light.homogeneous().truncate()))
         };
         let components = caster.topology.component_of_triangle();
         let coefficients = components
             .iter()
             .enumerate()
-            .map(|(t, &component)| if faces(caster, t, light) { 1 } else { facing_away(component) })
+            .map(|(t, &component)| counting[component as usize].coefficient(turn(caster, t, light, edge_on)))
             .collect();
         Self { coefficients }
     }
@@ -79,8 +109,10 @@ impl Chain {
     }
 }
 
-/// Whether triangle `t` turns its counter-clockwise side to the light.
-fn faces(caster: &Caster, t: usize, light: LightPosition) -> bool {
+/// How triangle `t` is turned to `light`; `edge_on` is the distance (of a directional light: the cosine) that counts as none.
+fn turn(caster: &Caster, t: usize, light: LightPosition, edge_on: f64) -> Turn {
     let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3());
-    (b - a).cross(c - a).dot(light.from_point(a)) > 0.0
+    let normal = (b - a).cross(c - a);
+    let height = normal.dot(light.from_point(a));
+    Turn { is_facing: height > 0.0, is_edge_on: height * height <= edge_on * edge_on * normal.length_squared() }
 }

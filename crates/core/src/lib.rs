@@ -46,4 +46,4 @@ pub use scene::{Material, NamedCamera, Object, Scene, SceneError};
 pub use silhouette::{SilhouetteEdge, silhouette};
 pub use topology::{Component, Edge, Topology, TopologyCounts};
 pub use volume::ShadowVolume;
-pub use winding::counting_for_view;
+pub use winding::Windings;

@@ -41,6 +41,10 @@ const EDGE_ON: f64 = 1e-4;
 /// resolve.
 const LIFT: f64 = 1e-9;
 
+/// How far, relative to the size of the scene, a lamp may be from a surface and yet come out on its other side: a few roundings of `f32`
+/// (2^-24 each).
+const BLUR: f64 = 4e-7;
+
 /// Where the centre ray and its four neighbours pass, in pixels from the centre.
 const OFFSETS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.25, 0.0], [0.25, 0.0], [0.0, -0.25], [0.0, 0.25]];
 
@@ -57,6 +61,7 @@ const DEPTH_STEP: f64 = 1e-3;
 pub struct Oracle {
     rays: RayCaster,
     lift: f64,
+    blur: f64,
 }
 
 impl Oracle {
@@ -65,7 +70,7 @@ impl Oracle {
         let rays = RayCaster::new(casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
         let bounds = casters.iter().fold(crate::Bounds::EMPTY, |all, c| all.union(c.bounds));
         let scale = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { rays, lift: LIFT * scale }
+        Self { rays, lift: LIFT * scale, blur: BLUR * scale }
     }
 
     /// The ray caster.
@@ -169,9 +174,21 @@ impl Oracle {
         if !(cosine.abs() > EDGE_ON) {
             return None;
         }
-        let end = if light.is_directional() { f64::INFINITY } else { 1.0 };
-        let is_dark = cosine < 0.0 || self.rays.is_hit(seen.point, to_light, self.lift / distance, end);
-        Some(if is_dark { Verdict::Dark } else { Verdict::Lit })
+        if cosine < 0.0 {
+            return Some(Verdict::Dark);
+        }
+        let start = self.lift / distance;
+        if light.is_directional() {
+            let is_dark = self.rays.is_hit(seen.point, to_light, start, f64::INFINITY);
+            return Some(if is_dark { Verdict::Dark } else { Verdict::Lit });
+        }
+        // A lamp that lies in a surface as far as `f32` can tell is on neither side of it.
+        let before_lamp = (1.0 - self.blur / distance).max(start);
+        if self.rays.is_hit(seen.point, to_light, start, before_lamp) {
+            return Some(Verdict::Dark);
+        }
+        let is_lamp_in_surface = self.rays.is_hit(seen.point, to_light, before_lamp, 1.0 + self.blur / distance);
+        (!is_lamp_in_surface).then_some(Verdict::Lit)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The ray caster: which triangles a line meets, in `f64`, written to prove the shadows of the rest of this crate right.
+//! The ray caster: which triangles a line meets, in `f64`, to prove the shadows of the rest of this crate right.
 //!
 //! ```text
 //!     origin *-------- t = 1 -------- t = 2 ---------->     shear and turn space so that the ray runs along z;
@@ -7,27 +7,31 @@
 //!                       /__|
 //! ```
 //!
-//! Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; J. R. Shewchuk, "Adaptive
-//! precision floating-point arithmetic and fast robust geometric predicates", 1997 (exact sums). It shares no code and
-//! no idea with silhouettes, chains and volumes, as it is what they are checked against.
+//! Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; J. R. Shewchuk,
+//! "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997 (exact sums). It shares no
+//! code and no idea with silhouettes, chains and volumes, as it is what they are checked against.
 //!
 //! # Why no ray slips through a closed mesh
 //!
-//! Projecting a corner rounds (the difference of an `f32` corner and an `f64` origin, and two products of 53-bit numbers),
-//! but depends on the corner and the ray alone. So all triangles around a corner see it projected to the same point: the
-//! mesh is moved by some 2^-52 of its distance, never torn. From there on nothing is rounded that matters. A triangle
-//! is hit if its three edge functions `a.x b.y - a.y b.x` have no two opposite signs, and those signs are exact:
+//! Projecting a corner rounds: the difference of its `f32` and the origin's `f64`, two products of 53-bit numbers,
+//! and their difference. But the result depends on the corner and the ray alone, so all triangles around a corner see
+//! it projected to the same point: the mesh is moved by some 2^-52 of its distance, and never torn. After that no
+//! rounding matters. A triangle is hit if no two of its three edge functions `a.x b.y - a.y b.x` have opposite signs,
+//! and the signs are exact:
 //!
-//! - if the two rounded products differ, they differ as the exact ones do, as rounding is monotone;
-//! - if they are equal, their rounding errors decide, which a fused multiply-add gives exactly.
+//! - if the two products round to different numbers, those differ as the exact products do, as rounding is monotone;
+//! - if they round to the same, what rounding cost them decides, which a fused multiply-add gives exactly.
 //!
-//! Taking equal products for 0 instead, as the paper does in its last precision, would lose a triangle all three of
-//! whose edge functions round to 0. With exact signs, the triangles that a ray hits are those whose moved, closed projections hold
-//! the origin and are not flat, and around a ray that goes into a closed surface those leave no gap.
+//! So a triangle is hit just when its moved, closed projection holds the origin and is not flat. A ray that leaves a
+//! closed surface has, as near as one likes, rays that meet no edge; each leaves through some triangle that is not
+//! flat; and as there are only so many triangles, one of those holds the origin too. Taking equal products for 0, as
+//! the paper does after its last precision, is not enough: all three edge functions of a sliver can round to 0, and
+//! it would be lost as flat.
 //!
-//! We depart from the paper in three things: the shear multiplies where the paper divides, so that a corner aimed at exactly (its
-//! difference from the origin being the direction) is projected to exactly (0, 0); a triangle seen edge-on, whose
-//! weights are all rounding error, still gets a parameter within its own box; and sign changes are never mirrored, as both sides count.
+//! We depart from the paper in three things. The shear multiplies where the paper divides, so that a corner aimed at
+//! exactly (its difference from the origin is the direction) is projected to exactly (0, 0), and even a ray at an
+//! outline hits. A triangle seen nearly edge-on, whose weights are all rounding, still gets a parameter within its
+//! own box. And winding does not matter, as both sides count.
 
 use std::ops::ControlFlow;
 
@@ -49,12 +53,14 @@ pub struct Hit {
 
 /// Triangles made ready to be met by rays.
 ///
-/// Both sides of a triangle count. A ray that passes exactly through an edge or a corner hits every triangle
-/// there, so none slips through a closed mesh. A triangle that has no area (its corners are exactly on one line, or not
-/// finite) is never hit, and neither is one that is seen exactly edge-on.
+/// Both sides of a triangle count. A ray exactly through an edge or a corner hits every triangle there that is not
+/// seen edge-on, so none slips through a closed mesh. A triangle without area (its corners are exactly on one line,
+/// or not finite) is never hit, so a mesh that is closed only by such triangles can leak along them, in gaps as wide
+/// as rounding.
 ///
-/// Rays need not have unit length; one whose origin is not finite, or whose direction is zero or not finite, hits nothing. Distances
-/// are measured in units of the direction, and may be negative or infinite limits.
+/// A direction need not have unit length; parameters and limits count in its lengths, and may be negative or
+/// infinite. A ray with an origin that is not finite, or a direction that is zero or not finite, hits nothing; nor
+/// does one with a number beyond 1e60 or a direction shorter than 1e-60.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -85,7 +91,8 @@ pub struct RayCaster {
 const NOWHERE: u32 = u32::MAX;
 
 impl RayCaster {
-    /// Takes for each part its positions (scene space, metres) and its triangles, three indices into the positions each.
+    /// Takes for each part its positions (scene space, metres) and its triangles, three indices into the positions
+    /// each.
     ///
     /// A city of 180,000 triangles takes about 0.1 s; the time is that of sorting, on all threads of rayon's pool.
     ///
@@ -226,11 +233,10 @@ fn part_of(part_starts: &[u32], number: u32) -> usize {
     part_starts.partition_point(|&start| start <= number) - 1
 }
 
-/// Coordinates of rays above this would overflow in a product of five of them, directions shorter than its inverse
-/// would underflow.
+/// Larger coordinates and directions can overflow in a product of five, directions shorter than its inverse underflow.
 const LARGEST: f64 = 1.606_938_044_258_990_3e60; // 2^200
-/// Components of a direction below this count as 0, which turns the ray by less than anything representable, so that
-/// the inverse of every other one is finite.
+/// Smaller components of a direction count as 0, so that those that don't have a finite inverse; this turns the ray by
+/// less than 1e-90.
 const SMALLEST: f64 = 3.054_936_363_499_605e-151; // 2^-500
 
 /// A ray made ready to meet many triangles. Axis 2 is the one along which its direction is longest.
@@ -303,7 +309,7 @@ fn edge(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// The same, with a sign that is exact.
+/// The same, with a sign that is exact (as long as the products are above 1e-290, where their errors underflow).
 #[cold]
 fn exact_edge(a: [f64; 2], b: [f64; 2]) -> f64 {
     let (p, q) = (a[0] * b[1], a[1] * b[0]);
@@ -336,12 +342,12 @@ fn has_area(corners: &[[f32; 3]; 3]) -> bool {
 fn is_flat(points: [[f32; 2]; 3]) -> bool {
     let [a, b, c] = points.map(|p| p.map(f64::from));
     let (p, q) = ((b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0]));
-    // Six roundings, of half an epsilon each, none of them of more than |p| + |q| and the next terms.
+    // Three roundings make each product, and one their difference: 2 epsilons of |p| + |q|.
     if (p - q).abs() > 4.0 * f64::EPSILON * (p.abs() + q.abs()) {
         return false;
     }
-    // Products of two f32 have 48 bits: they are exact. Adding them one by one to a sum kept in parts that don't overlap
-    // is exact too, and such a sum is 0 only if all its parts are.
+    // Products of two f32 have 48 bits: they are exact. Adding them one by one to a sum kept in parts that don't
+    // overlap is exact too, and such a sum is 0 only if all its parts are.
     let mut parts = [0.0; 6];
     let terms = [b[0] * c[1], -b[1] * c[0], c[0] * a[1], -c[1] * a[0], a[0] * b[1], -a[1] * b[0]];
     for (count, mut sum) in terms.into_iter().enumerate() {
@@ -525,19 +531,17 @@ mod tests {
         // Right-angled triangles across an axis: all three intervals of their flat boxes shrink to one point there.
         let mut random = Random(10);
         for _ in 0..3000 {
-            let positions = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
-                let offset = DVec3::new(0.3, 0.1, 0.7);
-                let p = offset + DVec3::new(x, y, 0.0);
-                p.as_vec3()
-            });
-            let turn = random.below(3) as usize;
-            let positions = positions.map(|p| Vec3::from_array([0, 1, 2].map(|i| p[(i + turn) % 3])));
+            let (a, turn) = (random.point(), random.below(3) as usize);
+            let positions =
+                [a, a + random.signed() * DVec3::AXES[turn], a + random.signed() * DVec3::AXES[(turn + 1) % 3]]
+                    .map(DVec3::as_vec3);
             let mesh = (positions.to_vec(), vec![[0, 1, 2]]);
             for corner in positions {
                 let distance = 10.0_f64.powi(random.below(9) as i32);
                 let origin = corner.as_dvec3() + distance * random.point();
                 let direction = corner.as_dvec3() - origin;
-                let hit_count = compare_with_brute_force(&[mesh.clone()], origin, direction, 0.0, f64::INFINITY);
+                let hit_count =
+                    compare_with_brute_force(std::slice::from_ref(&mesh), origin, direction, 0.0, f64::INFINITY);
                 assert_eq!(hit_count, 1, "from {origin}");
             }
         }
@@ -549,7 +553,7 @@ mod tests {
         let mut hit_count = 0;
         for _ in 0..100_000 {
             let corners = [(); 3].map(|()| random.point().as_vec3());
-            let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
             let in_plane = |u: f64, v: f64| a + (b - a) * u + (c - a) * v;
             let (origin, target) = (in_plane(3.0 * random.signed(), 5.0), in_plane(0.3, 0.3));
             let ray = Ray::new(origin, target - origin).expect("a good ray");

@@ -1,5 +1,6 @@
 //! Why a file can't be loaded, and where in it the reason is.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -112,9 +113,14 @@ const QUOTE_CHARS: usize = 60;
 
 /// `text` in quotation marks, on one line, cut short if it is long.
 pub(crate) fn quoted(text: &str) -> String {
-    match text.char_indices().nth(QUOTE_CHARS) {
-        Some((end, _)) => format!("{:?}", format!("{}…", &text[..end])),
-        None => format!("{text:?}"),
+    format!("{:?}", cut_short(text, QUOTE_CHARS))
+}
+
+/// The beginning of `text`, and a mark if that is not all.
+pub(crate) fn cut_short(text: &str, chars: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(chars) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
     }
 }
 

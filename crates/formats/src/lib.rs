@@ -1,6 +1,6 @@
 //! Model files into [`umbrae_core::Scene`]s: glTF 2.0 and GLB, OBJ, PLY (also gzipped), STL.
 //!
-//! [`load`] reads a file, [`load_bytes`] bytes that are already here. Both resolve every difficulty of the
+//! [`load()`] reads a file, [`load_bytes`] bytes that are already here. Both resolve every difficulty of the
 //! format (axes, origin, polygons, instances, missing and broken parts), so that nothing downstream knows which
 //! format it was. What is left out is a [`Warning`] with a count; what can't be used at all is a [`LoadError`]
 //! that names the place in the file.

@@ -42,6 +42,14 @@ impl UpAxis {
     }
 }
 
+/// Coordinates at or above this are refused, as by [`MeshError::BadPosition`]: products of several overflow `f32`.
+pub(crate) const MAX_COORDINATE: f64 = 1e18;
+
+/// Whether `p` is finite and not too far away to reason about.
+pub(crate) fn is_in_range(p: DVec3) -> bool {
+    p.is_finite() && p.abs().max_element() < MAX_COORDINATE
+}
+
 /// A model keeps its own coordinates, bit for bit, up to this many of its own sizes away from their zero; there
 /// `f32` still resolves a millionth of its size.
 const ORIGIN_DISTANCE: f64 = 8.0;
@@ -66,7 +74,7 @@ pub(crate) fn scene_of_parts(
     explain: impl Fn(usize, &Part, &MeshError) -> Problem,
 ) -> Result<Scene, Problem> {
     let used = parts.iter().flat_map(|part| part.triangles.iter().flatten().map(|&i| part.positions.get(i as usize)));
-    let usable = |p: &&DVec3| p.is_finite() && p.as_vec3().is_finite();
+    let usable = |p: &&DVec3| is_in_range(**p);
     let origin = origin_of(Bounds::of_points(used.flatten().filter(usable).map(|&p| up.point_in_scene(p))));
 
     let mut objects = Vec::new();
@@ -80,7 +88,7 @@ pub(crate) fn scene_of_parts(
         };
         match Mesh::new(surface) {
             Ok(mesh) => {
-                objects.push(Object { name: part.name, mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY })
+                objects.push(Object { name: part.name, mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY });
             }
             Err(error) => {
                 let problem = explain(index, &part, &error);

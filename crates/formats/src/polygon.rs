@@ -77,7 +77,7 @@ impl Triangulator {
         if corners > MAX_EARCUT_CORNERS {
             return None;
         }
-        self.earcut.earcut(self.flat.iter().map(|p| p.to_array()), &[], &mut self.cut);
+        self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.cut);
         // Among a simple polygon's corners, those of a triangle in rising order go around the polygon's way.
         let walked_as_ring = |t: &[u32; 3]| {
             let mut sorted = *t;

@@ -45,7 +45,7 @@ impl<'a> Iterator for Lines<'a> {
 
 /// The words of a line: what stands between spaces and tabs.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
 /// The first word of a line, and what follows it without space around.

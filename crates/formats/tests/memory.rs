@@ -31,7 +31,8 @@ fn status(name: &str) -> usize {
 
 /// The most memory that reading takes, above what was there before.
 fn peak_bytes(bytes: &[u8], format: Format) -> usize {
-    fs::write("/proc/self/clear_refs", "5").expect("a process may reset its own peak");
+    // Forgets the peak so far. Where that is not allowed, what making the file took counts too.
+    let _ = fs::write("/proc/self/clear_refs", "5");
     let before = status("VmRSS:");
     let _ = load_bytes(bytes, format, "hostile", None, &LoadOptions::default());
     status("VmHWM:").saturating_sub(before)
@@ -107,7 +108,6 @@ const CASES: [Case; 15] = [
 ];
 
 #[test]
-#[expect(clippy::print_stdout, reason = "the processes talk through it, and the table is for reading")]
 fn no_file_takes_more_memory_than_a_multiple_of_its_size() {
     if let Some(case) = std::env::var_os(CASE) {
         let case: usize = case.to_str().and_then(|case| case.parse().ok()).expect("a number");

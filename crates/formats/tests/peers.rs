@@ -119,7 +119,7 @@ fn gltf_of(path: &Path) -> Option<Gltf> {
         let parent_from_node = Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
         let world_from_node = world_from_parent * DAffine3::from_mat4(parent_from_node);
         waiting.extend(node.children().map(|child| (child, world_from_node)));
-        for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
+        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             let reader = primitive.reader(|_| Some(&blob));
             let positions: Vec<[f32; 3]> = reader.read_positions().expect("it has positions").collect();
             let indices: Vec<u32> = reader

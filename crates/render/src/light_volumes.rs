@@ -1,6 +1,6 @@
 //! The shadow volumes of one light, as index lists ready to draw.
 
-use umbrae_core::{Camera, Case, CaseChooser, Caster, Chain, Counting, LightPosition, ShadowVolume};
+use umbrae_core::{Camera, Case, CaseChooser, Caster, Chain, Counting, LightPosition, ShadowVolume, Windings};
 
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,26 +43,27 @@ pub struct LightVolumes {
 }
 
 impl LightVolumes {
-    /// The volumes of all `casters`; `counting` has each caster's from [`umbrae_core::counting_for_view`] and `chooser` is for the same
-    /// camera and for `light`.
+    /// The volumes of all `casters`; `seen` has each caster's [`Windings::of_near_rectangle`], and `chooser` is for the same camera and
+    /// for `light`.
     ///
     /// Linear in the number of triangles.
     pub fn new(
         casters: &[Caster],
-        counting: &[Vec<Counting>],
+        seen: &[Windings],
         chooser: &CaseChooser,
         light: LightPosition,
         method: Method,
     ) -> Self {
         let mut volumes = Self::default();
         let mut first_vertex = 0;
-        for (caster, counting) in casters.iter().zip(counting) {
+        for (caster, seen) in casters.iter().zip(seen) {
             let case = match method {
                 Method::Auto => chooser.case(caster),
                 Method::ZPass => Case::ZPass,
                 Method::ZFail => chooser.case_without_zpass(caster),
             };
-            let chain = Chain::new(caster, light, counting);
+            let counting = Counting::choose(caster, seen, &Windings::of_light(caster, light));
+            let chain = Chain::new(caster, light, &counting);
             let volume = ShadowVolume::new(caster, &chain);
             let report = volumes.add(&volume, case, light.is_directional(), first_vertex, caster.positions.len() as u32);
             volumes.casters.push(report);

@@ -1,6 +1,6 @@
 //! A scene, a camera and lights into a picture or a mask.
 
-use umbrae_core::{Camera, Caster, Counting, Light, counting_for_view};
+use umbrae_core::{Camera, Caster, Light, Windings};
 use web_time::Instant;
 
 use crate::frame::{self, Frame, FrameLight, Passes};
@@ -88,10 +88,10 @@ impl Renderer {
         look: &Look,
     ) -> Result<Picture, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Picture, camera.size_px(), self.samples)?;
-        let counting = counting_of(casters, camera);
+        let seen = windings_of(casters, camera);
         let (frame_lights, reports) = lights
             .iter()
-            .map(|light| self.prepare_light(casters, &counting, camera, light, method))
+            .map(|light| self.prepare_light(casters, &seen, camera, light, method))
             .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
         let view = self.view_group(camera, look);
         let finished = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -135,8 +135,8 @@ impl Renderer {
         method: Method,
     ) -> Result<Mask, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Mask, camera.size_px(), 1)?;
-        let counting = counting_of(casters, camera);
-        let (frame_light, report) = self.prepare_light(casters, &counting, camera, light, method)?;
+        let seen = windings_of(casters, camera);
+        let (frame_light, report) = self.prepare_light(casters, &seen, camera, light, method)?;
         let look = Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: glam::Vec3::ZERO };
         let view = self.view_group(camera, &look);
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(1));
@@ -151,7 +151,7 @@ impl Renderer {
     fn prepare_light(
         &self,
         casters: &[Caster],
-        counting: &[Vec<Counting>],
+        seen: &[Windings],
         camera: &Camera,
         light: &Light,
         method: Method,
@@ -160,7 +160,7 @@ impl Renderer {
         // The shaders see the light in f32, so everything else must reason about that light too.
         let position = light.position.rounded_to_f32();
         let chooser = LightVolumes::chooser(camera, position, casters);
-        let volumes = LightVolumes::new(casters, counting, &chooser, position, method);
+        let volumes = LightVolumes::new(casters, seen, &chooser, position, method);
         let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
         let uniform = LightUniform::new(light);
         let frame_light = FrameLight {
@@ -181,6 +181,6 @@ impl Renderer {
     }
 }
 
-fn counting_of(casters: &[Caster], camera: &Camera) -> Vec<Vec<Counting>> {
-    casters.iter().map(|caster| counting_for_view(caster, camera)).collect()
+fn windings_of(casters: &[Caster], camera: &Camera) -> Vec<Windings> {
+    casters.iter().map(|caster| Windings::of_near_rectangle(caster, camera)).collect()
 }

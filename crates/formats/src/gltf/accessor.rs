@@ -3,6 +3,7 @@
 use super::budget::Budget;
 use super::container::Buffers;
 use super::document::{Accessor, BufferView, Document};
+use crate::error::quoted;
 
 /// Reads accessors. What is wrong is said in words that fit after "mesh 3: ".
 #[derive(Debug)]
@@ -106,7 +107,7 @@ impl<'a> Accessors<'a> {
     pub(super) fn vectors<const N: usize>(&self, index: usize) -> Result<Vec<[f64; N]>, String> {
         let accessor = self.get(index)?;
         let component = Component::of_code(accessor.component_type).map_err(|e| format!("accessor {index}: {e}"))?;
-        self.elements(index, &[shape_of_width(N)], |stored: [f64; N]| {
+        self.elements(index, shape_of_width(N), |stored: [f64; N]| {
             // The least signed integer stands for -1 too.
             stored.map(|value| if accessor.normalized { (value / component.largest()).max(-1.0) } else { value })
         })
@@ -126,7 +127,7 @@ impl<'a> Accessors<'a> {
         if !matches!(Component::of_code(code), Ok(Component::U8 | Component::U16 | Component::U32)) {
             return Err(format!("accessor {index}: indices can't have component type {code}"));
         }
-        self.elements(index, &["SCALAR"], |[stored]: [f64; 1]| stored as u32)
+        self.elements(index, "SCALAR", |[stored]: [f64; 1]| stored as u32)
     }
 
     fn get(&self, index: usize) -> Result<&'a Accessor, String> {
@@ -137,21 +138,21 @@ impl<'a> Accessors<'a> {
     fn elements<const N: usize, T: Clone>(
         &self,
         index: usize,
-        shapes: &[&str],
+        shape: &str,
         convert: impl Fn([f64; N]) -> T,
     ) -> Result<Vec<T>, String> {
         let accessor = self.get(index)?;
-        self.checked_elements(accessor, shapes, convert).map_err(|message| format!("accessor {index}: {message}"))
+        self.checked_elements(accessor, shape, convert).map_err(|message| format!("accessor {index}: {message}"))
     }
 
     fn checked_elements<const N: usize, T: Clone>(
         &self,
         accessor: &Accessor,
-        shapes: &[&str],
+        shape: &str,
         convert: impl Fn([f64; N]) -> T,
     ) -> Result<Vec<T>, String> {
-        if !shapes.contains(&accessor.shape.as_str()) {
-            return Err(format!("it is {} where {} is needed", accessor.shape, shapes.join(" or ")));
+        if accessor.shape != shape {
+            return Err(format!("it is {} where {shape} is needed", quoted(&accessor.shape)));
         }
         let component = Component::of_code(accessor.component_type)?;
         self.budget.charge(accessor.count, N)?;

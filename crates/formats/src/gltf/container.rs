@@ -1,7 +1,7 @@
 //! Where the bytes of a glTF file are: the chunks of a GLB, files beside it, data in its JSON.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
@@ -81,9 +81,12 @@ enum Content<'a> {
     File(Rc<[u8]>),
 }
 
+/// What a file beside the model holds, or why that can't be had.
+type FileContent = Result<Rc<[u8]>, String>;
+
 impl<'a> Buffers<'a> {
     pub(super) fn load(document: &'a Document, binary: Option<&'a [u8]>, folder: Option<&Path>) -> Self {
-        let mut files: HashMap<(&str, usize), Result<Rc<[u8]>, String>> = HashMap::new();
+        let mut files: BTreeMap<(&str, usize), FileContent> = BTreeMap::new();
         let content = |(index, buffer): (usize, &'a Buffer)| {
             let length = buffer.byte_length;
             let content = match &buffer.uri {
@@ -160,7 +163,7 @@ fn data_of_uri(uri: &str) -> Option<Result<Cow<'_, [u8]>, String>> {
 }
 
 /// The first `length` bytes of the file that `uri` names.
-fn read_file(uri: &str, length: usize, folder: Option<&Path>) -> Result<Rc<[u8]>, String> {
+fn read_file(uri: &str, length: usize, folder: Option<&Path>) -> FileContent {
     if uri.contains("://") {
         return Err(format!("it is at {}; download it and name the file in its place", quoted(uri)));
     }

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::error::{Problem, quoted};
+use crate::error::{Problem, cut_short, quoted};
 
 /// The root object.
 #[derive(Debug, Deserialize)]
@@ -113,11 +113,14 @@ pub(super) struct LightOfNode {
     pub(super) light: usize,
 }
 
+/// Accessors by what they hold.
+pub(super) type Attributes = BTreeMap<String, usize>;
+
 /// Accessors of TRANSLATION, ROTATION and SCALE.
 #[derive(Debug, Deserialize)]
 pub(super) struct Instancing {
     #[serde(default)]
-    pub(super) attributes: BTreeMap<String, usize>,
+    pub(super) attributes: Attributes,
 }
 
 #[derive(Debug, Deserialize)]
@@ -133,14 +136,14 @@ pub(super) struct Mesh {
 #[derive(Debug, Deserialize)]
 pub(super) struct Primitive {
     #[serde(default)]
-    pub(super) attributes: BTreeMap<String, usize>,
+    pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
     #[serde(default = "triangles")]
     pub(super) mode: u32,
     /// Morph targets: what each adds to each attribute.
     #[serde(default)]
-    pub(super) targets: Vec<BTreeMap<String, usize>>,
+    pub(super) targets: Vec<Attributes>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -270,10 +273,18 @@ impl Document {
                 // The document of another version fails for its differences: better to name the version.
                 let head: Option<Head> = serde_json::from_slice(json).ok();
                 head.map_or(Ok(()), |head| head.asset.check())?;
-                Err(Problem::whole(format!("its JSON can't be read: {error}")))
+                Err(json_problem(&error))
             }
         }
     }
+}
+
+/// The library's own words, which may quote the file at length; the place is said apart.
+fn json_problem(error: &serde_json::Error) -> Problem {
+    let text = error.to_string();
+    let what = text.split(" at line ").next().unwrap_or(&text);
+    let message = format!("its JSON can't be read at column {}: {}", error.column(), cut_short(what, 120));
+    Problem::at_line(error.line(), message)
 }
 
 impl Asset {

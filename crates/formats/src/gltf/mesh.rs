@@ -1,12 +1,12 @@
 //! A glTF mesh as one surface: all its primitives that are triangles, morphed and skinned as they are at rest.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::Surface;
 
 use super::accessor::Accessors;
-use super::document::{Mesh, Primitive};
+use super::document::{Attributes, Mesh, Primitive};
 use crate::warnings::{Warnings, Words};
 
 /// What happens to a mesh's vertices before its node places them.
@@ -58,7 +58,7 @@ fn skipped_mode(mode: u32) -> Option<Words> {
 struct Merged<'a> {
     surface: Surface,
     /// Primitives of different materials often share their vertices: for what makes these, the first and the count.
-    blocks: HashMap<(&'a BTreeMap<String, usize>, &'a [BTreeMap<String, usize>]), (u32, usize)>,
+    blocks: BTreeMap<(&'a Attributes, &'a [Attributes]), (u32, usize)>,
 }
 
 impl<'a> Merged<'a> {

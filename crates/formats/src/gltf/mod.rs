@@ -21,7 +21,7 @@ mod mesh;
 mod node;
 mod skin;
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -29,7 +29,7 @@ use umbrae_core::{Bounds, Light, Material, Mesh, NamedCamera, Object, Scene};
 
 use crate::error::{Problem, quoted};
 use crate::load::Context;
-use crate::place::{OBJECT_SKIPPED, origin_of};
+use crate::place::{MAX_COORDINATE, OBJECT_SKIPPED, is_in_range, origin_of};
 use crate::warnings::Warnings;
 use crate::{Format, Model, UpAxis};
 
@@ -55,7 +55,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         document: &document,
         accessors: Accessors::new(&document, buffers, bytes.len()),
         tree: &tree,
-        shapes: HashMap::new(),
+        shapes: BTreeMap::new(),
         bounds: Bounds::EMPTY,
         triangles_shown: 0,
         first_problem: None,
@@ -108,9 +108,6 @@ fn check_extensions(document: &Document, warnings: &mut Warnings) -> Result<(), 
 /// More than this many triangles, instances counted each, can be neither held nor drawn; a small file can ask for them.
 const MAX_TRIANGLES_SHOWN: usize = 1 << 26;
 
-/// Coordinates are to become `f32`, whose products must not overflow; as [`umbrae_core::MeshError::BadPosition`].
-const MAX_COORDINATE: f64 = 1e18;
-
 /// What an object is charged as, see `budget`.
 const NUMBERS_OF_OBJECT: usize = 32;
 
@@ -127,7 +124,7 @@ struct Stage<'a> {
     accessors: Accessors<'a>,
     tree: &'a Tree,
     /// Those shown as they are; `None` for one without triangles, and what is wrong with one that can't be used.
-    shapes: HashMap<usize, Result<Option<Shape>, Problem>>,
+    shapes: BTreeMap<usize, Result<Option<Shape>, Problem>>,
     /// Holds all objects.
     bounds: Bounds,
     triangles_shown: usize,
@@ -161,13 +158,22 @@ impl Stage<'_> {
     }
 
     fn camera(&mut self, node: &Node, index: usize, world_from_node: &DAffine3) -> Option<NamedCamera> {
-        let camera = self.document.cameras.get(index)?;
+        let Some(camera) = self.document.cameras.get(index) else {
+            let words = ["camera that does not exist was skipped", "cameras that do not exist were skipped"];
+            self.warnings.add_one(words, || format!("camera {index} of {}", self.document.cameras.len()));
+            return None;
+        };
         let name = name_of(node, camera.name.as_deref(), "camera", index);
         appearance::camera(camera, name, world_from_node, &mut self.warnings)
     }
 
     fn light(&mut self, node: &Node, index: usize, world_from_node: &DAffine3) -> Option<Light> {
-        let light = self.document.extensions.punctual.lights.get(index)?;
+        let lights = &self.document.extensions.punctual.lights;
+        let Some(light) = lights.get(index) else {
+            let words = ["light that does not exist was skipped", "lights that do not exist were skipped"];
+            self.warnings.add_one(words, || format!("light {index} of {}", lights.len()));
+            return None;
+        };
         let name = name_of(node, light.name.as_deref(), "light", index);
         appearance::light(light, name, world_from_node, &mut self.warnings)
     }
@@ -213,7 +219,7 @@ impl Stage<'_> {
         }
         // A mesh turned with its box stays inside; looking at every vertex of every instance could take forever.
         let corners = shape.bounds.corners().map(|corner| world_from_object.transform_point3(corner));
-        if let Some(far) = corners.iter().find(|corner| !(corner.abs().max_element() < MAX_COORDINATE)) {
+        if let Some(far) = corners.iter().find(|corner| !is_in_range(**corner)) {
             return Err(format!("its transform takes it to {far}; coordinates must be below {MAX_COORDINATE:e}"));
         }
         let shown = self.triangles_shown + shape.mesh.triangles().len();

@@ -24,17 +24,18 @@ impl Tree {
         let mut waiting: Vec<(usize, Option<usize>)> =
             roots(document)?.into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = waiting.pop() {
-            let message = |what: &str| match parent {
-                Some(parent) => Problem::in_part("node", parent, document.nodes[parent].name.as_deref(), what),
-                None => Problem::whole(format!("its scene: {what}")),
+            let problem = |what: &str| match parent {
+                Some(parent) => {
+                    let name = document.nodes[parent].name.as_deref();
+                    Problem::in_part("node", parent, name, format!("its child is node {index}, {what}"))
+                }
+                None => Problem::whole(format!("its scene shows node {index}, {what}")),
             };
             let Some(node) = document.nodes.get(index) else {
-                return Err(message(&format!("its child is node {index}, but there are {}", document.nodes.len())));
+                return Err(problem(&format!("but there are {}", document.nodes.len())));
             };
             if tree.place_of_node[index] != NOT_IN_SCENE {
-                return Err(message(&format!(
-                    "its child is node {index}, which already has a place; nodes must form a tree, without cycles"
-                )));
+                return Err(problem("which already has a place; nodes must form a tree, without cycles"));
             }
             let world_from_parent =
                 parent.map_or(DAffine3::IDENTITY, |parent| tree.nodes[tree.place_of_node[parent] as usize].1);
@@ -86,9 +87,12 @@ pub(super) fn rotation_of(quaternion: [f64; 4]) -> Option<DQuat> {
     DVec4::from(quaternion).try_normalize().map(DQuat::from_vec4)
 }
 
+/// What inverting a matrix in `f32` leaves in the row that should be 0, 0, 0, 1.
+const AFFINE_TOLERANCE: f64 = 1e-5;
+
 /// The affine transform that a matrix is; `None` if it is a projection.
 pub(super) fn affine(matrix: &DMat4) -> Option<DAffine3> {
-    (matrix.row(3) == DVec4::W).then(|| DAffine3::from_mat4(*matrix))
+    matrix.row(3).abs_diff_eq(DVec4::W, AFFINE_TOLERANCE).then(|| DAffine3::from_mat4(*matrix))
 }
 
 /// Whether something placed by this transform is anywhere, and has a size.

@@ -10,6 +10,7 @@
 mod mtl;
 mod statements;
 
+use std::borrow::Cow;
 use std::mem;
 
 use glam::{DVec3, Vec3};
@@ -19,7 +20,7 @@ use crate::error::{Problem, quoted};
 use crate::load::Context;
 use crate::place::{Part, scene_of_parts};
 use crate::polygon::{Cut, Triangulator};
-use crate::text::lossy;
+use crate::text::{first_word, lossy};
 use crate::warnings::Warnings;
 use crate::{Format, Model};
 
@@ -126,15 +127,13 @@ impl Shapes {
             let whole = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < positions.len());
             let kept = triangles.len();
             triangles.extend(fan.filter(whole));
-            for _ in 0..corners.len() - 2 - (triangles.len() - kept) {
-                warnings.add_one(
-                    [
-                        "triangle was skipped because it names a vertex that does not exist",
-                        "triangles were skipped because they name vertices that do not exist",
-                    ],
-                    || format!("line {}, corner {} of {}", face.line, missing + 1, corners.len()),
-                );
-            }
+            let words = [
+                "triangle was skipped because it names a vertex that does not exist",
+                "triangles were skipped because they name vertices that do not exist",
+            ];
+            warnings.add_some(corners.len() - 2 - (triangles.len() - kept), words, || {
+                format!("line {}, corner {} of {}", face.line, missing + 1, corners.len())
+            });
             return;
         }
         if let &[a, b, c] = corners {
@@ -173,7 +172,7 @@ fn no_triangle(vertex_count: usize, warnings: Warnings) -> Problem {
 
 /// What is wrong with a vertex, with its line: found by reading the file again, which only failure has to pay for.
 fn bad_vertex(bytes: &[u8], vertex: usize) -> Problem {
-    let is_vertex = |(_, statement): &(usize, _)| statements::keyword(statement) == b"v";
+    let is_vertex = |(_, statement): &(usize, Cow<'_, [u8]>)| first_word(statement).0 == b"v";
     match Statements::new(bytes).filter(is_vertex).nth(vertex) {
         Some((line, statement)) => Problem::at_line(
             line,

@@ -1,6 +1,6 @@
 //! OBJ material libraries: the diffuse colour of each material, and what of it we can't show.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -18,8 +18,8 @@ pub(super) fn read_libraries(
     libraries: &[String],
     folder: Option<&Path>,
     warnings: &mut Warnings,
-) -> HashMap<String, Material> {
-    let mut materials = HashMap::new();
+) -> BTreeMap<String, Material> {
+    let mut materials = BTreeMap::new();
     let mut already_read: Vec<&str> = Vec::new();
     for line in libraries {
         if already_read.contains(&line.as_str()) {
@@ -51,7 +51,7 @@ fn file_in(folder: Option<&Path>, name: &str) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-fn read_library(bytes: &[u8], materials: &mut HashMap<String, Material>, warnings: &mut Warnings) {
+fn read_library(bytes: &[u8], materials: &mut BTreeMap<String, Material>, warnings: &mut Warnings) {
     let mut current = None;
     for (_, line) in Lines::new(bytes) {
         let (keyword, rest) = first_word(line);
@@ -72,7 +72,7 @@ fn read_library(bytes: &[u8], materials: &mut HashMap<String, Material>, warning
             b"map_Kd" => warnings.add(1, ["base colour texture is ignored", "base colour textures are ignored"]),
             b"d" if number(rest).is_some_and(|opacity| opacity < 1.0) => warn_transparent(material, warnings),
             b"Tr" if number(rest).is_some_and(|transparency| transparency > 0.0) => {
-                warn_transparent(material, warnings)
+                warn_transparent(material, warnings);
             }
             _ => {}
         }

@@ -1,7 +1,7 @@
 //! The statements of an OBJ file, gathered but not yet interpreted as surfaces.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
 
@@ -39,7 +39,7 @@ pub(super) struct Face {
 }
 
 /// The `o` and `g` statements in force at a face.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 struct Group {
     /// How many `o` statements came before: two objects of one name are two.
     object: usize,
@@ -203,8 +203,8 @@ struct Current {
     /// Of `group` and `material`, once a face has used them.
     group_index: Option<u32>,
     material_index: Option<u32>,
-    groups: HashMap<Group, u32>,
-    materials: HashMap<String, u32>,
+    groups: BTreeMap<Group, u32>,
+    materials: BTreeMap<String, u32>,
 }
 
 impl Current {
@@ -226,11 +226,6 @@ impl Current {
 
 fn some_name(name: &[u8]) -> Option<String> {
     (!name.is_empty()).then(|| lossy(name))
-}
-
-/// The first word of a statement.
-pub(super) fn keyword<'a>(statement: &'a Cow<'_, [u8]>) -> &'a [u8] {
-    first_word(statement).0
 }
 
 /// The lines of an OBJ file with the line each begins at; one that ends in a backslash goes on in the next.

@@ -51,6 +51,8 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
             }
         }
     }
+    let words = ["row has more values than properties", "rows have more values than properties"];
+    warnings.add(rows.overlong(), words);
     if !rows.is_at_end() {
         let words = ["byte after the last element was skipped", "bytes after the last element were skipped"];
         warnings.add(rows.bytes_left(), words);

@@ -13,6 +13,8 @@ pub(super) struct Rows<'a> {
     /// What is left of the line (ascii) or of the file (binary).
     rest: &'a [u8],
     line: usize,
+    /// Rows so far with more values than properties.
+    overlong: usize,
     file_bytes: usize,
 }
 
@@ -20,7 +22,7 @@ impl<'a> Rows<'a> {
     /// `lines` stands after the header of a file of `file_bytes`.
     pub(super) fn new(encoding: Encoding, lines: Lines<'a>, file_bytes: usize) -> Self {
         let rest = if encoding == Encoding::Ascii { &[] } else { lines.rest() };
-        Self { encoding, rest, line: lines.number(), lines, file_bytes }
+        Self { encoding, rest, line: lines.number(), overlong: 0, lines, file_bytes }
     }
 
     /// Refuses an element of more rows than the bytes that are left can hold, before anyone believes its count.
@@ -43,6 +45,7 @@ impl<'a> Rows<'a> {
         if self.encoding != Encoding::Ascii {
             return Ok(());
         }
+        self.overlong += usize::from(!self.rest.is_empty());
         for (number, line) in self.lines.by_ref() {
             self.line = number;
             self.rest = line.trim_ascii();
@@ -55,14 +58,19 @@ impl<'a> Rows<'a> {
     }
 
     pub(super) fn value(&mut self, kind: Type) -> Result<f64, Problem> {
-        match self.encoding {
-            Encoding::Ascii => self.ascii_value(),
-            Encoding::LittleEndian => self.binary_value(kind, <[u8; 8]>::from),
-            Encoding::BigEndian => self.binary_value(kind, |mut bytes| {
-                bytes[..kind.size()].reverse();
-                bytes
-            }),
+        if self.encoding == Encoding::Ascii {
+            return self.ascii_value();
         }
+        Ok(match kind {
+            Type::I8 => f64::from(i8::from_le_bytes(self.bytes()?)),
+            Type::U8 => f64::from(u8::from_le_bytes(self.bytes()?)),
+            Type::I16 => f64::from(i16::from_le_bytes(self.bytes()?)),
+            Type::U16 => f64::from(u16::from_le_bytes(self.bytes()?)),
+            Type::I32 => f64::from(i32::from_le_bytes(self.bytes()?)),
+            Type::U32 => f64::from(u32::from_le_bytes(self.bytes()?)),
+            Type::F32 => f64::from(f32::from_le_bytes(self.bytes()?)),
+            Type::F64 => f64::from_le_bytes(self.bytes()?),
+        })
     }
 
     /// Fills `items` with the items of a list.
@@ -113,6 +121,11 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// How many ascii rows had more values than properties.
+    pub(super) fn overlong(&self) -> usize {
+        self.overlong + usize::from(self.encoding == Encoding::Ascii && !self.rest.is_empty())
+    }
+
     /// Whether nothing of meaning is left.
     pub(super) fn is_at_end(&self) -> bool {
         match self.encoding {
@@ -130,24 +143,16 @@ impl<'a> Rows<'a> {
         number(word).ok_or_else(|| self.problem(format!("{} is not a number", quoted(&lossy(word)))))
     }
 
-    /// `little_endian` puts the first bytes of a value in that order.
-    fn binary_value(&mut self, kind: Type, little_endian: impl Fn([u8; 8]) -> [u8; 8]) -> Result<f64, Problem> {
-        let Some((bytes, rest)) = self.rest.split_at_checked(kind.size()) else {
+    /// The next bytes of a binary file, lowest first.
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+        let Some((bytes, rest)) = self.rest.split_first_chunk() else {
             return Err(self.problem("the file ends in the middle of a row; it was cut off".to_owned()));
         };
         self.rest = rest;
-        let mut padded = [0; 8];
-        padded[..bytes.len()].copy_from_slice(bytes);
-        let [a, b, c, d, ..] = little_endian(padded);
-        Ok(match kind {
-            Type::I8 => f64::from(a as i8),
-            Type::U8 => f64::from(a),
-            Type::I16 => f64::from(i16::from_le_bytes([a, b])),
-            Type::U16 => f64::from(u16::from_le_bytes([a, b])),
-            Type::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
-            Type::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
-            Type::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
-            Type::F64 => f64::from_le_bytes(little_endian(padded)),
-        })
+        let mut bytes = *bytes;
+        if self.encoding == Encoding::BigEndian {
+            bytes.reverse();
+        }
+        Ok(bytes)
     }
 }

@@ -80,6 +80,8 @@ fn what_does_not_concern_us_is_passed_over_and_counted() {
     let texts: Vec<String> = model(&binary(true)).warnings.iter().map(ToString::to_string).collect();
     assert_eq!(texts, ["1 row of another element was skipped (first: camera)"]);
     let tail = [ASCII.as_bytes(), b"1 2 3\n"].concat();
+    let long = ASCII.replace("1 1 0", "1 1 0 9").replace("4 0 1 2 3", "4 0 1 2 3 255");
+    assert_eq!(model(long.as_bytes()).warnings[0].to_string(), "2 rows have more values than properties");
     assert_eq!(model(&tail).warnings[0].to_string(), "6 bytes after the last element were skipped");
 }
 

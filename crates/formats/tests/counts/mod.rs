@@ -1,6 +1,6 @@
 //! What a loaded model has, counted as in SOURCES.md.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use umbrae_core::{Mesh, Object, Surface, Topology, TopologyCounts};
@@ -22,7 +22,7 @@ pub(crate) struct Counts {
 pub(crate) fn of_model(model: &Model) -> Counts {
     let shown = model.scene.objects.iter().map(|object| object.mesh.counts().triangles_read).sum();
     let edges = if model.format == Format::Gltf {
-        let mut seen = HashSet::new();
+        let mut seen = BTreeSet::new();
         let is_new = |object: &&Object| seen.insert(Arc::as_ptr(&object.mesh));
         let counts_of = |object: &Object| Topology::new(&object.mesh).counts();
         model.scene.objects.iter().filter(is_new).map(counts_of).fold(TopologyCounts::default(), TopologyCounts::plus)

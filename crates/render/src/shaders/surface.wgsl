@@ -11,8 +11,11 @@ struct Vertex {
 struct Fragment {
     @builtin(position) @invariant clip: vec4f,
     @location(0) position_world: vec3f,
-    @location(1) normal_world: vec3f,
+    @location(1) @interpolate(flat) normal_world: vec3f,
     @location(2) color: vec3f,
+    // One corner of the triangle, as it is: which side of the plane the eye and the light are on must not depend on how a
+    // device interpolates positions over a triangle as large as the ground.
+    @location(3) @interpolate(flat) corner_world: vec3f,
 }
 
 @vertex
@@ -21,6 +24,7 @@ fn vs_surface(vertex: Vertex) -> Fragment {
     out.clip = clip_position(vec4f(vertex.position_world, view.unit));
     out.position_world = vertex.position_world;
     out.normal_world = vertex.normal_world;
+    out.corner_world = vertex.position_world;
     out.color = linear_from_srgb(vertex.color_srgb.rgb);
     return out;
 }
@@ -31,7 +35,7 @@ fn linear_from_srgb(c: vec3f) -> vec3f {
 
 // The normal on the eye's side of the surface.
 fn seen_normal(fragment: Fragment) -> vec3f {
-    let to_eye = view.eye_world - fragment.position_world;
+    let to_eye = view.eye_world - fragment.corner_world;
     return select(-fragment.normal_world, fragment.normal_world, dot(fragment.normal_world, to_eye) > 0.0);
 }
 
@@ -52,7 +56,11 @@ fn fs_ambient(fragment: Fragment) -> @location(0) vec4f {
     return vec4f(fragment.color * (hemisphere + fill) * here, here);
 }
 
-// 0 where the surface turns its other side to the light.
+// Whether the side that is seen is turned to the light.
+fn is_turned_to_light(fragment: Fragment) -> bool {
+    return dot(seen_normal(fragment), to_light(fragment.corner_world)) > 0.0;
+}
+
 fn irradiance(fragment: Fragment) -> vec3f {
     let offset = to_light(fragment.position_world);
     let distance_squared = dot(offset, offset);
@@ -63,6 +71,9 @@ fn irradiance(fragment: Fragment) -> vec3f {
 
 @fragment
 fn fs_light(fragment: Fragment) -> @location(0) vec4f {
+    if !is_turned_to_light(fragment) {
+        discard;
+    }
     let radiance = fragment.color * irradiance(fragment) * (view.exposure * presence(fragment));
     return vec4f(radiance, 0.0);
 }
@@ -74,7 +85,7 @@ fn fs_dark_mask(fragment: Fragment) -> @location(0) vec4f {
 
 @fragment
 fn fs_lit_mask(fragment: Fragment) -> @location(0) vec4f {
-    if dot(seen_normal(fragment), to_light(fragment.position_world)) <= 0.0 {
+    if !is_turned_to_light(fragment) {
         discard;
     }
     return vec4f(1.0);

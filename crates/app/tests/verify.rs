@@ -1,0 +1,209 @@
+//! Every real model, under four lights, from three cameras, by two methods: no decided pixel is wrong.
+//!
+//! The whole product takes minutes, so without `UMBRAE_VERIFY=all` each model is seen from one of the three cameras, in turn.
+//! Any other value of it is part of a model's name, and takes that model from all cameras.
+//! Prints a table.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(clippy::print_stdout, reason = "the table is what one runs this for")]
+
+mod data;
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec3, Vec3};
+use umbrae::output::png;
+use umbrae::talk::Talk;
+use umbrae::verify::error_picture;
+use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
+use umbrae_core::{Bounds, Camera, Caster, Judgement, Light, LightPosition, Oracle};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, compare};
+
+const SIZE_PX: [u32; 2] = [320, 240];
+/// Of the surface pixels of the median model.
+const LEAST_DECIDED: f64 = 0.95;
+
+/// One model's line in the table.
+#[derive(Default)]
+struct Line {
+    name: String,
+    triangles: usize,
+    surface: usize,
+    decided: usize,
+    /// Masks in which some caster was counted by z-fail because it had to be.
+    needed_zfail: usize,
+    masks: usize,
+    /// Wrong pixels.
+    wrong: usize,
+    /// A sentence for each mask with wrong pixels.
+    errors: Vec<String>,
+}
+
+impl Line {
+    fn decided_share(&self) -> f64 {
+        self.decided as f64 / self.surface.max(1) as f64
+    }
+}
+
+#[test]
+fn every_decided_pixel_of_every_model_is_right() {
+    let Some(folder) = data::folder() else { return };
+    let wanted = std::env::var("UMBRAE_VERIFY").ok();
+    let mut models = data::models(&folder);
+    assert!(models.len() >= 50, "only {} models in {}", models.len(), folder.display());
+    if let Some(name) = wanted.as_ref().filter(|name| *name != "all") {
+        models.retain(|path| path.to_string_lossy().contains(name));
+    }
+    let is_all = wanted.is_some();
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default())).expect("a graphics driver; scripts/setup.sh installs one");
+    println!("{}, {}x{}, {}", gpu.label, SIZE_PX[0], SIZE_PX[1], if is_all { "all cameras" } else { "one camera a model" });
+    let renderer = Renderer::new(gpu, 1);
+
+    println!("{:<34} {:>9} {:>9} {:>8} {:>7} {:>7} {:>6}", "model", "triangles", "surface", "decided", "z-fail", "masks", "errors");
+    let mut lines: Vec<Line> = Vec::new();
+    for (i, path) in models.iter().enumerate() {
+        let cameras = if is_all { 0..3 } else { i % 3..i % 3 + 1 };
+        let line = verify(&renderer, &folder, path, cameras);
+        println!(
+            "{:<34} {:>9} {:>9} {:>7.2}% {:>7} {:>7} {:>6}",
+            line.name,
+            line.triangles,
+            line.surface,
+            100.0 * line.decided_share(),
+            line.needed_zfail,
+            line.masks,
+            line.wrong
+        );
+        lines.push(line);
+    }
+    let total = |f: fn(&Line) -> usize| lines.iter().map(f).sum::<usize>();
+    let errors: Vec<&String> = lines.iter().flat_map(|l| &l.errors).collect();
+    let mut shares: Vec<f64> = lines.iter().map(Line::decided_share).collect();
+    shares.sort_by(f64::total_cmp);
+    let median = shares[shares.len() / 2];
+    println!(
+        "{} models, {} masks, {} surface pixels, {} decided (median model {:.2} %), {} masks needed z-fail, {} errors",
+        lines.len(),
+        total(|l| l.masks),
+        total(|l| l.surface),
+        total(|l| l.decided),
+        100.0 * median,
+        total(|l| l.needed_zfail),
+        total(|l| l.wrong)
+    );
+    assert!(errors.is_empty(), "{errors:#?}");
+    assert!(median >= LEAST_DECIDED, "the median model is decided at {median}");
+    assert!(total(|l| l.needed_zfail) > lines.len() / 2, "z-fail was hardly needed: the cameras are not where they should be");
+}
+
+fn verify(renderer: &Renderer, folder: &Path, path: &PathBuf, cameras: std::ops::Range<usize>) -> Line {
+    let quiet = Talk::new(true, umbrae::cli::ColorWhen::Never);
+    let mut scene = umbrae::model::load_one(path, None, &quiet).unwrap().scene;
+    let bounds = scene.bounds();
+    let mut line = Line {
+        name: path.strip_prefix(folder).unwrap().display().to_string(),
+        triangles: scene.triangle_count(),
+        ..Line::default()
+    };
+    let model_only = Oracle::new(&Caster::of_scene(&scene));
+    let ground = ground_under(&bounds);
+    let view = |choice: ViewChoice| camera(&choice, &scene, &bounds, Some(&ground)).unwrap();
+    let outside = view(ViewChoice { size_px: SIZE_PX, ..ViewChoice::default() });
+    let sun = LightPosition::sun(238_f64.to_radians(), 40_f64.to_radians());
+    let in_shadow = view(in_shadow(&bounds, &model_only, sun, scene.origin));
+    add_ground(&mut scene, &ground);
+    let casters = Caster::of_scene(&scene);
+    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
+    let oracle = Oracle::new(&casters);
+    let lights = four_lights(&bounds, &casters[0], sun);
+
+    for which in cameras {
+        let camera = match which {
+            0 => outside,
+            1 => in_shadow,
+            _ => cutting(&outside, &bounds),
+        };
+        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        for (light, judgements) in lights.iter().zip(&judged) {
+            for method in [Method::Auto, Method::ZFail] {
+                let drawn = renderer.mask(&gpu_scene, &casters, &camera, light, method);
+                let mask = pollster::block_on(drawn).unwrap();
+                let comparison = compare(&mask.verdicts, judgements);
+                line.masks += 1;
+                line.surface += comparison.surface;
+                line.decided += comparison.decided;
+                line.needed_zfail +=
+                    usize::from(method == Method::Auto && mask.light.casters.iter().any(|c| c.case.number() > 1));
+                line.wrong += comparison.errors.len();
+                if let Some(first) = comparison.errors.first() {
+                    let (x, y) = (first % SIZE_PX[0] as usize, first / SIZE_PX[0] as usize);
+                    line.errors.push(format!(
+                        "{}, camera {which}, {}, {method:?}: {} wrong pixels, the first at {x},{y}",
+                        line.name,
+                        light.name,
+                        comparison.errors.len()
+                    ));
+                    draw_errors(&line, &mask.verdicts, judgements, &comparison.errors);
+                }
+            }
+        }
+    }
+    line
+}
+
+/// Writes a picture of the wrong pixels of the line's last mask under the target folder's `tmp/verify/`.
+fn draw_errors(line: &Line, mask: &[u8], judgements: &[Judgement], errors: &[usize]) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("verify");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = format!("{} {}.png", line.name.replace('/', " "), line.errors.len());
+    let rgba = error_picture(mask, judgements, errors, SIZE_PX[0] as usize);
+    let bytes = png(&rgba, SIZE_PX, image::ExtendedColorType::Rgba8).unwrap();
+    std::fs::write(folder.join(file), bytes).unwrap();
+}
+
+/// The sun; a lamp outside; a lamp inside the model's box; a lamp in the plane of one of its triangles.
+fn four_lights(bounds: &Bounds, caster: &Caster, sun: LightPosition) -> [Light; 4] {
+    let at = |x: f64, y: f64, z: f64| bounds.center() + 0.5 * bounds.size() * DVec3::new(x, y, z);
+    let [a, b, c] = caster.corners(caster.mesh.triangles().len() / 2).map(|p| p.as_dvec3());
+    let light = |name: &str, position: LightPosition| Light {
+        name: name.to_owned(),
+        position: position.rounded_to_f32(),
+        strength: Vec3::ONE,
+    };
+    let outwards = DVec3::new(1.3, -0.7, 1.9) * bounds.radius().max(1e-3);
+    [
+        light("sun", sun),
+        light("lamp outside", LightPosition::point(bounds.center() + outwards)),
+        light("lamp inside the box", LightPosition::point(at(0.31, -0.43, 0.57))),
+        light("lamp in a triangle's plane", LightPosition::point(a + (b - a) * 3.1 - (c - a) * 1.7)),
+    ]
+}
+
+/// A view whose eye the model shades: behind it as seen from the light, or as near to that as can be found.
+fn in_shadow(bounds: &Bounds, model: &Oracle, light: LightPosition, origin: DVec3) -> ViewChoice {
+    let to_light = light.from_point(bounds.center()).normalize_or_zero();
+    let radius = bounds.radius();
+    let is_shaded = |eye: DVec3| model.rays().is_hit(eye, light.from_point(eye), 0.0, f64::INFINITY);
+    let behind = bounds.center() - to_light * radius * 1.15;
+    let eye = (1..200)
+        .map(|i| {
+            let spread = DVec3::new((f64::from(i) * 0.7).sin(), (f64::from(i) * 1.3).sin(), (f64::from(i) * 2.1).sin());
+            behind + spread * radius * 0.004 * f64::from(i)
+        })
+        .find(|&eye| is_shaded(eye))
+        .unwrap_or(behind);
+    ViewChoice {
+        size_px: SIZE_PX,
+        eye: Some(eye + origin),
+        target: Some(bounds.center() + radius * DVec3::new(0.21, 0.17, -0.13) + origin),
+        fov_deg: Some(68.0),
+        ..ViewChoice::default()
+    }
+}
+
+/// The outside camera with its near plane through the model.
+fn cutting(outside: &Camera, bounds: &Bounds) -> Camera {
+    let depth = (bounds.center() - outside.eye()).dot(outside.axes()[2]);
+    let near = (depth - 0.13 * bounds.radius()).max(outside.near());
+    Camera::new(outside.eye(), outside.target(), outside.fov_y_rad(), near, SIZE_PX).unwrap()
+}
