@@ -239,7 +239,8 @@ impl Stage {
             label.clone_from(&drawing.renderer.gpu().label);
             for (method, name) in [(Method::Auto, "auto"), (Method::ZFail, "zfail")] {
                 let passes = drawing.passes(self, method, PICTURES)?;
-                columns.push((format!("{samples} samples, {name}"), drawing.upload_ms, passes));
+                let samples = if samples == 1 { "1 sample".to_owned() } else { format!("{samples} samples") };
+                columns.push((format!("{samples}, {name}"), drawing.upload_ms, passes));
             }
         }
         println!("\n{}x{} pixels on {label}, ms:\n", SIZE_PX[0], SIZE_PX[1]);

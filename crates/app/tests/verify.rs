@@ -93,7 +93,8 @@ fn every_decided_pixel_of_every_model_is_right() {
     );
     assert!(errors.is_empty(), "{errors:#?}");
     assert!(median >= LEAST_DECIDED, "the median model is decided at {median}");
-    assert!(total(|l| l.needed_zfail) > lines.len() / 2, "z-fail was hardly needed: the cameras are not where they should be");
+    let is_filtered = wanted.is_some_and(|name| name != "all");
+    assert!(is_filtered || total(|l| l.needed_zfail) > lines.len() / 2, "z-fail was hardly needed: the cameras are not where they should be");
 }
 
 fn verify(renderer: &Renderer, folder: &Path, path: &PathBuf, cameras: std::ops::Range<usize>) -> Line {

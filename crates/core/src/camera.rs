@@ -63,13 +63,7 @@ impl Camera {
     /// # Errors
     ///
     /// [`CameraError`] names the value that can't be used.
-    pub fn new(
-        eye: DVec3,
-        target: DVec3,
-        fov_y_rad: f64,
-        near: f64,
-        size_px: [u32; 2],
-    ) -> Result<Self, CameraError> {
+    pub fn new(eye: DVec3, target: DVec3, fov_y_rad: f64, near: f64, size_px: [u32; 2]) -> Result<Self, CameraError> {
         let forward = (target - eye).try_normalize().filter(|_| eye.is_finite() && target.is_finite());
         let Some(forward) = forward else { return Err(CameraError::NoDirection { eye, target }) };
         // Looking within a hair of straight up or down leaves no upright about z.
@@ -193,7 +187,8 @@ mod tests {
     use super::*;
 
     fn camera() -> Camera {
-        Camera::new(DVec3::new(3.0, -10.0, 2.0), DVec3::new(0.0, 1.0, 0.5), 0.8, 0.25, [160, 90]).expect("a good camera")
+        Camera::new(DVec3::new(3.0, -10.0, 2.0), DVec3::new(0.0, 1.0, 0.5), 0.8, 0.25, [160, 90])
+            .expect("a good camera")
     }
 
     #[test]

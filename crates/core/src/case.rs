@@ -53,9 +53,11 @@ impl CaseChooser {
     pub fn new(camera: &Camera, light: LightPosition, scene: &Bounds) -> Self {
         let l = light.homogeneous();
         let reach = |p: DVec3| p.abs().max_element();
-        let scale = reach(camera.eye())
-            .max(reach(l.truncate() * l.w))
-            .max(if scene.is_empty() { 0.0 } else { reach(scene.min).max(reach(scene.max)) });
+        let scale = reach(camera.eye()).max(reach(l.truncate() * l.w)).max(if scene.is_empty() {
+            0.0
+        } else {
+            reach(scene.min).max(reach(scene.max))
+        });
         let slack = SLACK * scale;
         Self { view: view_region(camera, slack), near_pyramid: near_pyramid(camera, light, slack) }
     }

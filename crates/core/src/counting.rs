@@ -36,13 +36,7 @@ impl ShadowVolume {
     /// How many more volumes hold `point` than hold `eye`: what z-pass leaves in the stencil.
     ///
     /// Exits count +1 from the point's end, so the difference is that of the two [`ShadowVolume::count_to_infinity`].
-    pub fn count_from_eye(
-        &self,
-        positions: &[Vec3],
-        light: LightPosition,
-        eye: DVec3,
-        point: DVec3,
-    ) -> Option<i32> {
+    pub fn count_from_eye(&self, positions: &[Vec3], light: LightPosition, eye: DVec3, point: DVec3) -> Option<i32> {
         self.count_along(positions, light, point.extend(1.0), eye.extend(1.0))
     }
 

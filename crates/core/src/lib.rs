@@ -16,9 +16,9 @@
 mod bounds;
 mod bvh;
 mod camera;
+mod case;
 mod caster;
 mod chain;
-mod case;
 mod convex;
 mod counting;
 mod light;
@@ -34,10 +34,10 @@ mod winding;
 
 pub use bounds::Bounds;
 pub use camera::{Camera, CameraError};
+pub use case::{Case, CaseChooser};
 pub use caster::Caster;
 pub use chain::{Chain, Counting};
 pub use convex::ConvexRegion;
-pub use case::{Case, CaseChooser};
 pub use light::{Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, Verdict};

@@ -159,7 +159,10 @@ impl Mesh {
             degenerate_triangles: triangles.len() - kept.len(),
         };
         if kept.is_empty() {
-            return Err(MeshError::NoTriangles { read: counts.triangles_read, degenerate: counts.degenerate_triangles });
+            return Err(MeshError::NoTriangles {
+                read: counts.triangles_read,
+                degenerate: counts.degenerate_triangles,
+            });
         }
         Ok(Self {
             positions: weld.finish(&mut kept),
@@ -300,11 +303,8 @@ mod tests {
     #[test]
     fn positions_one_ulp_apart_stay_apart() {
         let next = f32::from_bits(1.0_f32.to_bits() + 1);
-        let mesh = Mesh::new(surface(
-            &[[1.0, 0.0, 0.0], [next, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            &[[0, 1, 2]],
-        ))
-        .expect("a thin but good surface");
+        let mesh = Mesh::new(surface(&[[1.0, 0.0, 0.0], [next, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]))
+            .expect("a thin but good surface");
         assert_eq!(mesh.positions().len(), 3);
     }
 
@@ -331,10 +331,8 @@ mod tests {
 
     #[test]
     fn an_unused_bad_vertex_does_no_harm() {
-        let mesh = Mesh::new(surface(
-            &[[f32::NAN; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            &[[1, 2, 3]],
-        ));
+        let mesh =
+            Mesh::new(surface(&[[f32::NAN; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[1, 2, 3]]));
         assert!(mesh.is_ok());
     }
 }

@@ -1,11 +1,12 @@
 //! What a picture should show, by casting rays: the judge of everything that is drawn.
 //!
 //! For each pixel and light: is there a surface, and does the light reach it? A pixel is *decided* when five rays, through
-//! its centre and a quarter of a pixel around it, agree, and no surface they meet is edge-on to the light. Where the
-//! centre lies on an edge as far as a rasteriser can tell, the surfaces on both sides must besides be neighbours and turn the same
-//! side to the light: otherwise the edge itself is an outline or casts, and what a rasteriser makes of a point on it is not
-//! determined (a hair of a hidden surface may show, or the volume that hangs on the edge may come out in front). About one
-//! pixel in a thousand is left out for that reason. Nothing here knows of silhouettes or volumes.
+//! its centre and a quarter of a pixel around it, agree, and no surface they meet is edge-on to the light.
+//!
+//! Two things no picture can settle, and leave a pixel undecided as well. Where the centre is on an edge as far as a rasteriser can tell, a
+//! hair of a hidden surface may show, or the volume that hangs on the edge come out in front of it: five rays may see one lit
+//! surface on each side, and the drawn pixel is dark. And where only a triangle is in the way whose plane holds the light as far as `f32`
+//! can tell, it is not between them but beside them. Nothing here knows of silhouettes or volumes.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,8 +42,8 @@ const EDGE_ON: f64 = 1e-4;
 /// resolve.
 const LIFT: f64 = 1e-9;
 
-/// How far, relative to the size of the scene, a lamp may be from a surface and yet come out on its other side: a few roundings of `f32`
-/// (2^-24 each).
+/// How far from a plane, relative to the coordinates' size (of a directional light: as a cosine), a light may be and yet come out on the plane's other
+/// side: a few roundings of `f32` (2^-24 each).
 const BLUR: f64 = 4e-7;
 
 /// Where the centre ray and its four neighbours pass, in pixels from the centre.
@@ -52,16 +53,13 @@ const OFFSETS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.25, 0.0], [0.25, 0.0], [0.0, -0.
 /// centre may be on either side of an edge.
 const RASTER_PX: f64 = 1.0 / 256.0;
 
-/// Depths that differ by more than this, relative to themselves, within [`RASTER_PX`] belong to two surfaces, or to one seen so
-/// edge-on that it may as well be two.
-const DEPTH_STEP: f64 = 1e-3;
-
 /// Casts the rays of pictures of one scene.
 #[derive(Debug)]
 pub struct Oracle {
     rays: RayCaster,
+    /// The largest coordinate.
+    scale: f64,
     lift: f64,
-    blur: f64,
 }
 
 impl Oracle {
@@ -70,7 +68,7 @@ impl Oracle {
         let rays = RayCaster::new(casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
         let bounds = casters.iter().fold(crate::Bounds::EMPTY, |all, c| all.union(c.bounds));
         let scale = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { rays, lift: LIFT * scale, blur: BLUR * scale }
+        Self { rays, scale, lift: LIFT * scale }
     }
 
     /// The ray caster.
@@ -82,12 +80,7 @@ impl Oracle {
     ///
     /// Lights are taken as given: round them first ([`LightPosition::rounded_to_f32`]) where drawing did. All cores
     /// work; five rays a pixel and up to five more for each light.
-    pub fn judge(
-        &self,
-        camera: &Camera,
-        lights: &[LightPosition],
-        row_done: impl Fn() + Sync,
-    ) -> Vec<Vec<Judgement>> {
+    pub fn judge(&self, camera: &Camera, lights: &[LightPosition], row_done: impl Fn() + Sync) -> Vec<Vec<Judgement>> {
         let [width, height] = camera.size_px();
         let rows: Vec<Vec<Vec<Judgement>>> = (0..height)
             .into_par_iter()
@@ -105,9 +98,9 @@ impl Oracle {
         for x in 0..width {
             let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
             let hits = OFFSETS.map(|offset| self.seen(camera, x, y, offset));
-            let at_edge = self.around_edge(camera, x, y, hits[0].as_ref());
+            let is_on_edge = self.is_on_edge(camera, x, y, hits[0].as_ref());
             for (row, &light) in row.iter_mut().zip(lights) {
-                let verdict = self.agreed(&hits, light).filter(|_| self.is_unbroken(at_edge.as_ref(), light));
+                let verdict = if is_on_edge { None } else { self.agreed(&hits, light) };
                 row.push(Judgement { has_surface: hits[0].is_some(), verdict });
             }
         }
@@ -127,36 +120,13 @@ impl Oracle {
         })
     }
 
-    /// What is seen [`RASTER_PX`] around `(x, y)`; `None` where that is one triangle, or nothing, all around.
-    fn around_edge(&self, camera: &Camera, x: f64, y: f64, center: Option<&Seen>) -> Option<[Option<Seen>; 4]> {
+    /// Whether rays [`RASTER_PX`] around the centre meet anything but the triangle (or the nothing) at the centre.
+    fn is_on_edge(&self, camera: &Camera, x: f64, y: f64, center: Option<&Seen>) -> bool {
         let around = [[-RASTER_PX, 0.0], [RASTER_PX, 0.0], [0.0, -RASTER_PX], [0.0, RASTER_PX]];
-        let around = around.map(|offset| self.seen(camera, x, y, offset));
-        let is_same = |seen: &Option<Seen>| seen.map(|s| s.triangle()) == center.map(Seen::triangle);
-        (!around.iter().all(is_same)).then_some(around)
-    }
-
-    /// Whether neighbours with the same verdict, which turn the same side to the light, meet at an edge (if there is one).
-    fn is_unbroken(&self, at_edge: Option<&[Option<Seen>; 4]>, light: LightPosition) -> bool {
-        let Some(around) = at_edge else { return true };
-        let [Some(first), Some(_), Some(_), Some(_)] = around else { return false };
-        let verdict = self.verdict(Some(first), light);
-        let is_turned_to_light = |seen: &Seen| seen.normal.dot(light.from_point(seen.point)) > 0.0;
-        verdict.is_some()
-            && around.iter().flatten().all(|other| {
-                self.are_neighbours(first, other)
-                    && is_turned_to_light(first) == is_turned_to_light(other)
-                    && self.verdict(Some(other), light) == verdict
-            })
-    }
-
-    /// Whether two triangles share an edge (or are one) and are seen at one depth: in a fan, all share an edge that may be
-    /// elsewhere.
-    fn are_neighbours(&self, a: &Seen, b: &Seen) -> bool {
-        if (a.hit.t - b.hit.t).abs() > DEPTH_STEP * a.hit.t {
-            return false;
-        }
-        let (of_a, of_b) = (self.rays.corners(&a.hit), self.rays.corners(&b.hit));
-        of_a.iter().filter(|corner| of_b.contains(corner)).count() >= 2
+        around.into_iter().any(|offset| {
+            let seen = self.seen(camera, x, y, offset);
+            seen.as_ref().map(Seen::triangle) != center.map(Seen::triangle)
+        })
     }
 
     fn agreed(&self, hits: &[Option<Seen>; 5], light: LightPosition) -> Option<Verdict> {
@@ -177,18 +147,25 @@ impl Oracle {
         if cosine < 0.0 {
             return Some(Verdict::Dark);
         }
-        let start = self.lift / distance;
-        if light.is_directional() {
-            let is_dark = self.rays.is_hit(seen.point, to_light, start, f64::INFINITY);
-            return Some(if is_dark { Verdict::Dark } else { Verdict::Lit });
+        let (start, end) = (self.lift / distance, if light.is_directional() { f64::INFINITY } else { 1.0 });
+        let Some(nearest) = self.rays.first_hit(seen.point, to_light, start, end) else { return Some(Verdict::Lit) };
+        let mut is_dark = !self.holds_light(&nearest, light);
+        if !is_dark {
+            self.rays.for_each_hit(seen.point, to_light, start, end, |hit| is_dark |= !self.holds_light(&hit, light));
         }
-        // A lamp that lies in a surface as far as `f32` can tell is on neither side of it.
-        let before_lamp = (1.0 - self.blur / distance).max(start);
-        if self.rays.is_hit(seen.point, to_light, start, before_lamp) {
-            return Some(Verdict::Dark);
-        }
-        let is_lamp_in_surface = self.rays.is_hit(seen.point, to_light, before_lamp, 1.0 + self.blur / distance);
-        (!is_lamp_in_surface).then_some(Verdict::Lit)
+        is_dark.then_some(Verdict::Dark)
+    }
+
+    /// Whether the light is in the plane of the triangle that was hit, as far as `f32` can tell.
+    fn holds_light(&self, hit: &Hit, light: LightPosition) -> bool {
+        let normal = self.rays.normal(hit);
+        let to_light = light.from_point(self.rays.corners(hit)[0]);
+        let blur = if light.is_directional() {
+            BLUR
+        } else {
+            BLUR * self.scale.max(light.homogeneous().truncate().abs().max_element())
+        };
+        normal.dot(to_light).abs() <= blur * normal.length()
     }
 }
 

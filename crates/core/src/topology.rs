@@ -105,8 +105,7 @@ impl Topology {
     /// Edges come in the order of their lower, then higher vertex; components in the order of their first triangle.
     pub fn new(mesh: &Mesh) -> Self {
         let (edges, first, incidences) = edges_of(mesh.triangles(), mesh.positions().len());
-        let mut topology =
-            Self { edges, first, incidences, components: Vec::new(), component_of_triangle: Vec::new() };
+        let mut topology = Self { edges, first, incidences, components: Vec::new(), component_of_triangle: Vec::new() };
         topology.find_components(mesh.triangles().len());
         topology
     }

@@ -121,7 +121,10 @@ fn light(soup: &Soup, caster: &Caster) -> Option<LightPosition> {
         LightKind::InPlane(st) => Some(LightPosition::point(a + in_plane(st))),
         LightKind::AlongPlane(st) => LightPosition::directional(in_plane(st)),
         LightKind::InBody(weights) => {
-            let corners = soup.tetrahedra.first()?.map(|i| DVec3::from(soup.grid_points[usize::from(i) % soup.grid_points.len()].map(f64::from)));
+            let corners = soup
+                .tetrahedra
+                .first()?
+                .map(|i| DVec3::from(soup.grid_points[usize::from(i) % soup.grid_points.len()].map(f64::from)));
             let weighted: DVec3 = corners.iter().zip(weights).map(|(&corner, weight)| corner * weight).sum();
             Some(LightPosition::point(weighted / weights.iter().sum::<f64>()))
         }
@@ -192,11 +195,8 @@ fn check(soup: &Soup, tally: &mut Tally) -> Result<(), TestCaseError> {
         }
         // The counting that is chosen for an eye at this point, inside or outside of bodies, calls it dark exactly where a ray
         // meets anything, however bodies are wound and wherever the light is.
-        let chosen = Counting::choose(
-            &caster,
-            &Windings::of_point(&caster, point),
-            &Windings::of_light(&caster, light),
-        );
+        let chosen =
+            Counting::choose(&caster, &Windings::of_point(&caster, point), &Windings::of_light(&caster, light));
         let volume_of_chosen = ShadowVolume::new(&caster, &Chain::new(&caster, light, &chosen));
         if let Some(count) = volume_of_chosen.count_to_infinity(&caster.positions, light, point, direction) {
             prop_assert_eq!(count > 0, all > 0, "z-fail count {} as chosen at {}, {} met", count, point, all);
@@ -221,12 +221,12 @@ fn a_chain_counts_what_a_ray_to_the_light_meets() {
     let config = Config { cases: SOUPS, failure_persistence: None, ..Config::default() };
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
     let tally = std::cell::RefCell::new(Tally::default());
-    TestRunner::new_with_rng(config, rng)
-        .run(&soup(), |soup| check(&soup, &mut tally.borrow_mut()))
-        .unwrap();
+    TestRunner::new_with_rng(config, rng).run(&soup(), |soup| check(&soup, &mut tally.borrow_mut())).unwrap();
     let tally = tally.into_inner();
     let Tally { soups, decided, shadowed, eyes_in_shadow, facing_away } = tally;
-    println!("{soups} soups, {decided} decided queries, {shadowed} in shadow, {eyes_in_shadow} with the eye in shadow, {facing_away} with a light in a body");
+    println!(
+        "{soups} soups, {decided} decided queries, {shadowed} in shadow, {eyes_in_shadow} with the eye in shadow, {facing_away} with a light in a body"
+    );
     // A law that is never tried holds too.
     assert!(soups >= 10_000 && decided > 100_000 && shadowed > 10_000 && eyes_in_shadow > 6_000 && facing_away > 100);
 }

@@ -1,7 +1,7 @@
 //! The geometry of a scene on the GPU.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use umbrae_core::{Caster, Material};
 use wgpu::util::DeviceExt as _;
 
@@ -24,8 +24,13 @@ impl SurfaceVertex {
     };
 }
 
-/// A vertex of shadow volumes: position, and 1 for the copy at infinity (McGuire's doubled vertex array, section 4).
+/// A vertex of shadow volumes: position and 0, the same and 1 for its copy at infinity (McGuire's doubled vertex array,
+/// section 4), or a direction and 2.
 pub(crate) type VolumeVertex = [f32; 4];
+
+/// Directions that caps may use, first of all volume vertices; see [`crate::LightVolumes`].
+pub(crate) const AXES: [DVec3; 6] =
+    [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
 pub(crate) const VOLUME_VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<VolumeVertex>() as u64,
@@ -44,7 +49,7 @@ pub struct GpuScene {
 impl GpuScene {
     /// Uploads `casters`, which name `materials`. About 84 bytes a triangle and 32 a vertex.
     ///
-    /// Volume vertices come caster by caster: first the caster's vertices, then their copies at infinity.
+    /// Volume vertices are the six [`AXES`], then caster by caster: first the caster's vertices, then their copies at infinity.
     ///
     /// # Errors
     ///
@@ -61,7 +66,8 @@ impl GpuScene {
         }
 
         let mut surface = Vec::with_capacity(triangles * 3);
-        let mut volume = Vec::with_capacity(positions * 2);
+        let mut volume = Vec::with_capacity(AXES.len() + positions * 2);
+        volume.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
         for caster in casters {
             push_surface(caster, materials, &mut surface);
             for extruded in [0.0, 1.0] {

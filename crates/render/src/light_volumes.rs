@@ -1,6 +1,9 @@
 //! The shadow volumes of one light, as index lists ready to draw.
 
+use glam::DVec3;
 use umbrae_core::{Camera, Case, CaseChooser, Caster, Chain, Counting, LightPosition, ShadowVolume, Windings};
+
+use crate::gpu_scene::AXES;
 
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,7 +58,7 @@ impl LightVolumes {
         method: Method,
     ) -> Self {
         let mut volumes = Self::default();
-        let mut first_vertex = 0;
+        let mut first_vertex = AXES.len() as u32;
         for (caster, seen) in casters.iter().zip(seen) {
             let case = match method {
                 Method::Auto => chooser.case(caster),
@@ -65,7 +68,7 @@ impl LightVolumes {
             let counting = Counting::choose(caster, seen, &Windings::of_light(caster, light));
             let chain = Chain::new(caster, light, &counting);
             let volume = ShadowVolume::new(caster, &chain);
-            let report = volumes.add(&volume, case, light.is_directional(), first_vertex, caster.positions.len() as u32);
+            let report = volumes.add(caster, &volume, case, light, first_vertex);
             volumes.casters.push(report);
             first_vertex += 2 * caster.positions.len() as u32;
         }
@@ -74,12 +77,14 @@ impl LightVolumes {
 
     fn add(
         &mut self,
+        caster: &Caster,
         volume: &ShadowVolume,
         case: Case,
-        is_directional: bool,
+        light: LightPosition,
         first_vertex: u32,
-        vertex_count: u32,
     ) -> CasterReport {
+        let is_directional = light.is_directional();
+        let vertex_count = caster.positions.len() as u32;
         let near = |i: u32| first_vertex + i;
         let far = |i: u32| first_vertex + vertex_count + i;
         let target = if case == Case::ZPass { &mut self.zpass } else { &mut self.zfail };
@@ -103,10 +108,15 @@ impl LightVolumes {
             light_cap_triangles: 0,
         };
         if case != Case::ZPass && !is_directional {
+            let before = target.len();
             for &[a, b, c] in &volume.light_cap {
-                target.extend([far(a), far(c), far(b)]);
+                let away = |i: u32| -light.from_point(caster.positions[i as usize].as_dvec3());
+                match fan_axis([away(a), away(b), away(c)]) {
+                    None => target.extend([far(a), far(c), far(b)]),
+                    Some(m) => target.extend([far(a), far(c), m, far(c), far(b), m, far(b), far(a), m]),
+                }
             }
-            report.dark_cap_triangles = volume.light_cap.len();
+            report.dark_cap_triangles = (target.len() - before) / 3;
         }
         if case == Case::ZFail {
             self.light_caps.extend(volume.light_cap.iter().flatten().map(|&i| near(i)));
@@ -120,4 +130,28 @@ impl LightVolumes {
         let scene = casters.iter().fold(umbrae_core::Bounds::EMPTY, |bounds, c| bounds.union(c.bounds));
         CaseChooser::new(camera, light, &scene)
     }
+}
+
+/// The cosine, between the triangle's normal and the direction to a corner, below which all directions are nearly in one plane.
+const FLAT: f64 = 0.05;
+
+/// The volume vertex about which the dark cap of a triangle must be a fan; `None` where it may be the triangle itself.
+///
+/// `away` points from the light to the corners, as they turn counter-clockwise seen from the light. Under a lamp close to a large triangle they spread
+/// over nearly a half-plane all round, and so a cap of three such corners is clipped with errors of many pixels (for `f32`, and for McGuire's
+/// "more than 180 degrees" ambiguous). Its shape does not matter, only its border: a fan about the axis that points away from the lamp most nearly
+/// at a right angle to the triangle has only narrow triangles.
+fn fan_axis(away: [DVec3; 3]) -> Option<u32> {
+    let [a, b, c] = away;
+    let is_wide = a.dot(b) < 0.0 || b.dot(c) < 0.0 || c.dot(a) < 0.0;
+    if !is_wide {
+        return None;
+    }
+    let normal_to_light = (b - a).cross(c - a);
+    if a.dot(normal_to_light).abs() > FLAT * a.length() * normal_to_light.length() {
+        return None;
+    }
+    let downness = |axis: &DVec3| -axis.dot(normal_to_light);
+    let best = (0..AXES.len()).max_by(|&i, &j| downness(&AXES[i]).total_cmp(&downness(&AXES[j])))?;
+    Some(best as u32)
 }
