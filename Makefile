@@ -35,8 +35,8 @@ bless: setup ## accept one golden picture as it is now: BLESS=name make bless
 	@test -z "$(CI)" || { echo 'error: CI does not bless pictures; bless where someone looks at them' >&2; exit 2; }
 	BLESS='$(BLESS)' cargo test --workspace --test golden
 
-verify-all: setup ## compare every pixel of every model, light and camera with the ray caster (long)
-	UMBRAE_VERIFY=all cargo test --release --package umbrae --test verify -- --nocapture
+verify-all: setup ## compare every pixel of every model, light and camera with rays, and print the table
+	cargo test --release --package umbrae --test verify -- --nocapture
 
 bench: setup ## measure how fast it is; BENCHMARKS.md tells how to read the figures
 	cargo bench --workspace

@@ -33,12 +33,13 @@ pub struct Judgement {
     pub verdict: Option<Verdict>,
 }
 
-/// A surface whose normal is within this of a right angle to the light (as a cosine) is edge-on: the `f32` in which
-/// drawing decides which side is turned to the light is good to about 1e-6.
-const EDGE_ON: f64 = 1e-4;
+/// A surface whose normal is within this of a right angle to the light (as a cosine, 0.11 degrees) is edge-on. The volume of a
+/// neighbour that shades it lies on it at no greater angle, and a quarter of a pixel is about 1/4000 of the distance: nearer than that the two
+/// depths differ by less than 5e-7 of themselves, a few roundings of `f32`.
+const EDGE_ON: f64 = 2e-3;
 
 /// A ray towards a light starts this far from its surface, relative to the size of the scene: beyond the rounding of
-/// the point, which is 1e-15 of it and up to 1e4 times that along a ray that leaves at the angle of [`EDGE_ON`]; well within what `f32` positions
+/// the point, which is 1e-15 of it and up to 500 times that along a ray that leaves at the angle of [`EDGE_ON`]; well within what `f32` positions
 /// resolve.
 const LIFT: f64 = 1e-9;
 
