@@ -19,20 +19,20 @@ use crate::{Bounds, Camera, Caster, ConvexRegion, LightPosition};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Case {
     /// 1, z-pass: nothing of the near rectangle is in shadow; sides only.
-    ZPass,
+    Pass,
     /// 2, z-fail with the light cap out of view: sides and dark cap.
-    ZFailLightCapOutOfView,
+    FailWithoutLightCap,
     /// 3, z-fail with everything: sides, dark cap, light cap.
-    ZFail,
+    Fail,
 }
 
 impl Case {
     /// The number that McGuire gives it.
     pub fn number(self) -> u32 {
         match self {
-            Self::ZPass => 1,
-            Self::ZFailLightCapOutOfView => 2,
-            Self::ZFail => 3,
+            Self::Pass => 1,
+            Self::FailWithoutLightCap => 2,
+            Self::Fail => 3,
         }
     }
 }
@@ -65,23 +65,23 @@ impl CaseChooser {
     /// The case of `caster`. Cheap where bounds decide; else linear in its triangles.
     pub fn case(&self, caster: &Caster) -> Case {
         if !self.may_shade_near_rectangle(caster) {
-            Case::ZPass
+            Case::Pass
         } else if self.view.may_meet_box(&caster.bounds) {
-            Case::ZFail
+            Case::Fail
         } else {
-            Case::ZFailLightCapOutOfView
+            Case::FailWithoutLightCap
         }
     }
 
     /// The case when z-fail is asked for: 2 or 3.
     pub fn case_without_zpass(&self, caster: &Caster) -> Case {
-        if self.view.may_meet_box(&caster.bounds) { Case::ZFail } else { Case::ZFailLightCapOutOfView }
+        if self.view.may_meet_box(&caster.bounds) { Case::Fail } else { Case::FailWithoutLightCap }
     }
 
     fn may_shade_near_rectangle(&self, caster: &Caster) -> bool {
         self.near_pyramid.may_meet_box(&caster.bounds)
             && (0..caster.mesh.triangles().len())
-                .any(|t| self.near_pyramid.meets_triangle(caster.corners(t).map(|p| p.as_dvec3())))
+                .any(|t| self.near_pyramid.meets_triangle(caster.corners(t).map(glam::Vec3::as_dvec3)))
     }
 }
 
@@ -106,7 +106,7 @@ fn near_pyramid(camera: &Camera, light: LightPosition, slack: f64) -> ConvexRegi
     let rectangle = camera.near_rectangle();
     let middle = camera.eye() + forward * camera.near();
     let mut region = ConvexRegion::default();
-    let to_light = light.from_point(middle);
+    let to_light = light.offset_from(middle);
     let height = forward.dot(to_light);
     if height.abs() <= slack.max(SLACK * to_light.length()) {
         // The light is in the near plane, and so is the pyramid: keep the plane and give up its outline.
@@ -117,7 +117,7 @@ fn near_pyramid(camera: &Camera, light: LightPosition, slack: f64) -> ConvexRegi
     region.add(middle, forward * height.signum(), slack);
     for i in 0..4 {
         let (a, b) = (rectangle[i], rectangle[(i + 1) % 4]);
-        let normal = (b - a).cross(light.from_point(a));
+        let normal = (b - a).cross(light.offset_from(a));
         region.add(a, facing(normal, middle - a), slack);
     }
     region

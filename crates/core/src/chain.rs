@@ -111,8 +111,8 @@ impl Chain {
 
 /// How triangle `t` is turned to `light`; `edge_on` is the distance (of a directional light: the cosine) that counts as none.
 fn turn(caster: &Caster, t: usize, light: LightPosition, edge_on: f64) -> Turn {
-    let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3());
+    let [a, b, c] = caster.corners(t).map(glam::Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);
-    let height = normal.dot(light.from_point(a));
+    let height = normal.dot(light.offset_from(a));
     Turn { is_facing: height > 0.0, is_edge_on: height * height <= edge_on * edge_on * normal.length_squared() }
 }

@@ -51,7 +51,7 @@ impl LightPosition {
     }
 
     /// From `point` to the light: the exact offset for a point light, the unit direction for a directional one.
-    pub fn from_point(self, point: DVec3) -> DVec3 {
+    pub fn offset_from(self, point: DVec3) -> DVec3 {
         self.0.truncate() - point * self.0.w
     }
 }

@@ -249,7 +249,8 @@ impl<'a> Weld<'a> {
         if *seen == UNSEEN {
             // Adding +0 turns -0 into +0 and changes nothing else.
             let position = self.positions[index as usize] + Vec3::ZERO;
-            if !(position.abs().max_element() < MAX_COORDINATE) || !position.is_finite() {
+            let is_good = position.is_finite() && position.abs().max_element() < MAX_COORDINATE;
+            if !is_good {
                 return Err(MeshError::BadPosition { vertex: index, position });
             }
             let next = self.welded.len() as u32;

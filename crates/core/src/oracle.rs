@@ -138,11 +138,11 @@ impl Oracle {
     /// `None` where the surface is edge-on.
     fn verdict(&self, seen: Option<&Seen>, light: LightPosition) -> Option<Verdict> {
         let Some(seen) = seen else { return Some(Verdict::NoSurface) };
-        let to_light = light.from_point(seen.point);
+        let to_light = light.offset_from(seen.point);
         let distance = to_light.length();
         let cosine = seen.normal.dot(to_light) / distance;
-        // A light on the surface itself leaves no cosine.
-        if !(cosine.abs() > EDGE_ON) {
+        // A light on the surface itself leaves no cosine, which is not a number.
+        if cosine.is_nan() || cosine.abs() <= EDGE_ON {
             return None;
         }
         if cosine < 0.0 {
@@ -160,7 +160,7 @@ impl Oracle {
     /// Whether the light is in the plane of the triangle that was hit, as far as `f32` can tell.
     fn holds_light(&self, hit: &Hit, light: LightPosition) -> bool {
         let normal = self.rays.normal(hit);
-        let to_light = light.from_point(self.rays.corners(hit)[0]);
+        let to_light = light.offset_from(self.rays.corners(hit)[0]);
         let blur = if light.is_directional() {
             BLUR
         } else {

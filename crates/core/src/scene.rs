@@ -116,8 +116,9 @@ impl Scene {
             return Ok(());
         }
         let offset = other.origin - self.origin;
-        if !(offset.length() <= MAX_DISTANCE_M) {
-            return Err(SceneError::TooFarApart { distance_m: offset.length() });
+        let distance_m = offset.length();
+        if distance_m > MAX_DISTANCE_M {
+            return Err(SceneError::TooFarApart { distance_m });
         }
         let first_material = self.materials.len() as u32;
         self.materials.extend(other.materials);

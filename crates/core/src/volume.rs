@@ -57,7 +57,7 @@ impl ShadowVolume {
         light: LightPosition,
     ) -> impl Iterator<Item = [DVec4; 3]> + 'a {
         let near = move |i: u32| positions[i as usize].as_dvec3().extend(1.0);
-        let far = move |i: u32| -light.from_point(positions[i as usize].as_dvec3()).extend(0.0);
+        let far = move |i: u32| -light.offset_from(positions[i as usize].as_dvec3()).extend(0.0);
         let cap = self.light_cap.iter().map(move |t| t.map(near));
         let sides = self.sides.iter().flat_map(move |&[start, end]| {
             let (a, b, a_far, b_far) = (near(start), near(end), far(start), far(end));
@@ -80,7 +80,7 @@ impl ShadowVolume {
         positions: &'a [Vec3],
         light: LightPosition,
     ) -> impl Iterator<Item = [DVec4; 3]> + 'a {
-        let far = move |i: u32| -light.from_point(positions[i as usize].as_dvec3()).extend(0.0);
+        let far = move |i: u32| -light.offset_from(positions[i as usize].as_dvec3()).extend(0.0);
         let cap = if light.is_directional() { &[] } else { self.light_cap.as_slice() };
         cap.iter().map(move |&[a, b, c]| [far(a), far(c), far(b)])
     }

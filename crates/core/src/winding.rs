@@ -81,7 +81,7 @@ impl Windings {
                 continue;
             }
             if let Some(winding) = windings.0[component] {
-                let corners = caster.corners(t).map(|p| p.as_dvec3());
+                let corners = caster.corners(t).map(glam::Vec3::as_dvec3);
                 let is_cut = region.meets_triangle(corners);
                 windings.0[component] = (!is_cut).then(|| winding + crossings_above(point, corners));
             }

@@ -4,8 +4,6 @@
 //! which knows nothing of chains. Over random soups with random windings, repeated faces, fans of ten on an edge, closed
 //! bodies wound outwards and inwards, lights in triangle planes, eyes in shadow.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -113,7 +111,7 @@ fn caster(soup: &Soup) -> Option<Caster> {
 }
 
 fn light(soup: &Soup, caster: &Caster) -> Option<LightPosition> {
-    let [a, b, c] = caster.corners(0).map(|p| p.as_dvec3());
+    let [a, b, c] = caster.corners(0).map(Vec3::as_dvec3);
     let in_plane = |[s, t]: [f64; 2]| (b - a) * s + (c - a) * t;
     match soup.light {
         LightKind::Point(p) => Some(LightPosition::point(p.into())),
@@ -141,7 +139,7 @@ fn met(
     point: DVec3,
 ) -> Option<(i32, i32)> {
     let at = |point: DVec3| {
-        let direction = light.from_point(point);
+        let direction = light.offset_from(point);
         let end = if light.is_directional() { f64::INFINITY } else { 1.0 + 1e-9 };
         let (mut counted, mut all, mut is_light_free) = (0, 0, true);
         rays.for_each_hit(point, direction, 0.0, end, |hit| {

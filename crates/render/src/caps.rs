@@ -21,12 +21,7 @@ pub struct Caps {
 }
 
 impl Caps {
-    /// Features worth asking an adapter for, as far as it has them.
-    pub(crate) fn wanted(adapter: &wgpu::Adapter) -> wgpu::Features {
-        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::DEPTH32FLOAT_STENCIL8)
-    }
-
-    /// What a device made by `adapter` with [`Caps::wanted`] can do.
+    /// What a device made of `adapter` can do.
     pub(crate) fn of(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Self {
         let has = |feature| device.features().contains(feature);
         let flags = adapter.get_downlevel_capabilities().flags;

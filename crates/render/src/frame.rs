@@ -43,12 +43,7 @@ pub(crate) fn pass_count(lights: usize) -> u32 {
 }
 
 /// Records everything but the tone mapping.
-pub(crate) fn record(
-    passes: &Passes,
-    frame: Frame<'_>,
-    encoder: &mut wgpu::CommandEncoder,
-    timer: &mut PassTimer,
-) {
+pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
     let clear_depth = (wgpu::LoadOp::Clear(0.0), wgpu::LoadOp::Clear(0));
     let clear_stencil = (wgpu::LoadOp::Load, wgpu::LoadOp::Clear(0));
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);

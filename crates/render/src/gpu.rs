@@ -37,7 +37,9 @@ pub enum GpuError {
         reason: String,
     },
     /// The scene does not fit into one buffer of this device.
-    #[error("the model needs a buffer of {needed_bytes} bytes, and {adapter} allows {allowed_bytes}; use a smaller model or another adapter")]
+    #[error(
+        "the model needs a buffer of {needed_bytes} bytes, and {adapter} allows {allowed_bytes}; use a smaller model or another adapter"
+    )]
     TooLarge {
         /// The adapter's label.
         adapter: String,
@@ -111,20 +113,31 @@ impl Gpu {
         Self::of_adapter(&adapter).await
     }
 
+    /// Takes a device that the caller made of `adapter`, for drawing beside the caller's own passes or into its window.
+    ///
+    /// Ask for [`Gpu::wanted_features`] when making it: without them passes are not timed, and depth has 24 bits.
+    pub fn of_device(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let caps = Caps::of(adapter, &device);
+        Self { device, queue, label: label(adapter), caps }
+    }
+
+    /// The features of `adapter` that this crate makes use of; it needs none.
+    pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
+        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::DEPTH32FLOAT_STENCIL8)
+    }
+
     async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
-        let label = label(adapter);
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("umbrae"),
-                required_features: Caps::wanted(adapter),
+                required_features: Self::wanted_features(adapter),
                 // Whatever the adapter has: a city is larger than the smallest guaranteed buffer.
                 required_limits: adapter.limits(),
                 ..wgpu::DeviceDescriptor::default()
             })
             .await
-            .map_err(|e| GpuError::Device { adapter: label.clone(), reason: e.to_string() })?;
-        let caps = Caps::of(adapter, &device);
-        Ok(Self { device, queue, label, caps })
+            .map_err(|e| GpuError::Device { adapter: label(adapter), reason: e.to_string() })?;
+        Ok(Self::of_device(adapter, device, queue))
     }
 }
 

@@ -29,8 +29,7 @@ impl SurfaceVertex {
 pub(crate) type VolumeVertex = [f32; 4];
 
 /// Directions that caps may use, first of all volume vertices; see [`crate::LightVolumes`].
-pub(crate) const AXES: [DVec3; 6] =
-    [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+pub(crate) const AXES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
 pub(crate) const VOLUME_VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<VolumeVertex>() as u64,
@@ -49,7 +48,7 @@ pub struct GpuScene {
 impl GpuScene {
     /// Uploads `casters`, which name `materials`. About 84 bytes a triangle and 32 a vertex.
     ///
-    /// Volume vertices are the six [`AXES`], then caster by caster: first the caster's vertices, then their copies at infinity.
+    /// Volume vertices are the six directions along the axes, then caster by caster: first the caster's vertices, then their copies at infinity.
     ///
     /// # Errors
     ///
@@ -93,7 +92,7 @@ fn push_surface(caster: &Caster, materials: &[Material], vertices: &mut Vec<Surf
     let mesh = &caster.mesh;
     for t in 0..mesh.triangles().len() {
         let corners = caster.corners(t);
-        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
         let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
         let base = materials.get(mesh.triangle_materials()[t] as usize).map_or(Vec3::ONE, |m| m.base_color);
         let colors = mesh.corner_colors().get(t).copied().unwrap_or([Vec3::ONE; 3]);

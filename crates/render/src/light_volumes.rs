@@ -62,7 +62,7 @@ impl LightVolumes {
         for (caster, seen) in casters.iter().zip(seen) {
             let case = match method {
                 Method::Auto => chooser.case(caster),
-                Method::ZPass => Case::ZPass,
+                Method::ZPass => Case::Pass,
                 Method::ZFail => chooser.case_without_zpass(caster),
             };
             let counting = Counting::choose(caster, seen, &Windings::of_light(caster, light));
@@ -87,7 +87,7 @@ impl LightVolumes {
         let vertex_count = caster.positions.len() as u32;
         let near = |i: u32| first_vertex + i;
         let far = |i: u32| first_vertex + vertex_count + i;
-        let target = if case == Case::ZPass { &mut self.zpass } else { &mut self.zfail };
+        let target = if case == Case::Pass { &mut self.zpass } else { &mut self.zfail };
         let before = target.len();
         for &[a, b] in &volume.sides {
             if is_directional {
@@ -107,10 +107,10 @@ impl LightVolumes {
             dark_cap_triangles: 0,
             light_cap_triangles: 0,
         };
-        if case != Case::ZPass && !is_directional {
+        if case != Case::Pass && !is_directional {
             let before = target.len();
             for &[a, b, c] in &volume.light_cap {
-                let away = |i: u32| -light.from_point(caster.positions[i as usize].as_dvec3());
+                let away = |i: u32| -light.offset_from(caster.positions[i as usize].as_dvec3());
                 match fan_axis([away(a), away(b), away(c)]) {
                     None => target.extend([far(a), far(c), far(b)]),
                     Some(m) => target.extend([far(a), far(c), m, far(c), far(b), m, far(b), far(a), m]),
@@ -118,7 +118,7 @@ impl LightVolumes {
             }
             report.dark_cap_triangles = (target.len() - before) / 3;
         }
-        if case == Case::ZFail {
+        if case == Case::Fail {
             self.light_caps.extend(volume.light_cap.iter().flatten().map(|&i| near(i)));
             report.light_cap_triangles = volume.light_cap.len();
         }

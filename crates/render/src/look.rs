@@ -16,8 +16,10 @@ pub struct Look {
     pub fade_center_world: Vec3,
 }
 
-/// A white surface that faces the brightest light gets this much before tone mapping.
-const KEY: f32 = 1.15;
+/// A white surface that faces the brightest light gets this much before tone mapping, if that light comes from straight above…
+const KEY: f32 = 1.05;
+/// …and up to this much less of the exposure is taken for granted from a light at the horizon: level ground gets little of it, and the eye opens.
+const LOW_LIGHT: f32 = 0.5;
 
 /// The ground fades from 3 to 9 radii of the model: far enough for a low sun's shadows, near enough for no horizon line.
 const FADE_RADII: [f32; 2] = [3.0, 9.0];
@@ -30,9 +32,11 @@ impl Look {
         let brightest = lights
             .iter()
             .map(|light| {
-                let offset = light.position.from_point(model.center());
+                let offset = light.position.offset_from(model.center());
                 let distance = if light.position.is_directional() { 1.0 } else { offset.length().max(radius) };
-                light.strength.max_element() / (distance * distance) as f32
+                let height = (offset.z / offset.length().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) as f32;
+                let opening = 1.0 - LOW_LIGHT * (1.0 - height);
+                light.strength.max_element() / (distance * distance) as f32 * opening
             })
             .fold(0.0, f32::max);
         Self {

@@ -137,7 +137,8 @@ impl Renderer {
         let targets = Targets::new(&self.gpu, Output::Mask, camera.size_px(), 1)?;
         let seen = windings_of(casters, camera);
         let (frame_light, report) = self.prepare_light(casters, &seen, camera, light, method)?;
-        let look = Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: glam::Vec3::ZERO };
+        let look =
+            Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: glam::Vec3::ZERO };
         let view = self.view_group(camera, &look);
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(1));
         let mut encoder = self.encoder("mask");

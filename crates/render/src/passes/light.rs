@@ -26,23 +26,26 @@ impl LightPass {
             Output::Picture => ("fs_light", Some(wgpu::BlendState { color: add, alpha: add })),
             Output::Mask => ("fs_lit_mask", None),
         };
-        let unshaded = wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Equal,
-            ..wgpu::StencilFaceState::IGNORE
-        };
-        let pipeline = surface_pipeline(gpu, output, samples, &SurfaceState {
-            label: "light",
-            layout: &layouts.view_and_light,
-            entry_point,
-            blend,
-            depth_stencil: wgpu::DepthStencilState {
-                format: gpu.caps.depth_stencil_format,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Equal),
-                stencil: wgpu::StencilState { front: unshaded, back: unshaded, read_mask: 0xFF, write_mask: 0 },
-                bias: wgpu::DepthBiasState::default(),
+        let unshaded =
+            wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
+        let pipeline = surface_pipeline(
+            gpu,
+            output,
+            samples,
+            &SurfaceState {
+                label: "light",
+                layout: &layouts.view_and_light,
+                entry_point,
+                blend,
+                depth_stencil: wgpu::DepthStencilState {
+                    format: gpu.caps.depth_stencil_format,
+                    depth_write_enabled: Some(false),
+                    depth_compare: Some(wgpu::CompareFunction::Equal),
+                    stencil: wgpu::StencilState { front: unshaded, back: unshaded, read_mask: 0xFF, write_mask: 0 },
+                    bias: wgpu::DepthBiasState::default(),
+                },
             },
-        });
+        );
         Self { pipeline }
     }
 

@@ -57,12 +57,7 @@ pub(crate) fn pipeline_layout(gpu: &Gpu, label: &str, groups: &[&wgpu::BindGroup
 }
 
 /// A uniform buffer with `bytes` in it, bound alone in a group.
-pub(crate) fn uniform_group(
-    gpu: &Gpu,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    bytes: &[u8],
-) -> wgpu::BindGroup {
+pub(crate) fn uniform_group(gpu: &Gpu, label: &str, layout: &wgpu::BindGroupLayout, bytes: &[u8]) -> wgpu::BindGroup {
     use wgpu::util::DeviceExt as _;
     let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),

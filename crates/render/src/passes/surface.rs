@@ -21,19 +21,24 @@ impl SurfacePass {
             Output::Picture => "fs_ambient",
             Output::Mask => "fs_dark_mask",
         };
-        let pipeline = surface_pipeline(gpu, output, samples, &SurfaceState {
-            label: "surface",
-            layout: &layouts.view_only,
-            entry_point,
-            blend: None,
-            depth_stencil: wgpu::DepthStencilState {
-                format: gpu.caps.depth_stencil_format,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
+        let pipeline = surface_pipeline(
+            gpu,
+            output,
+            samples,
+            &SurfaceState {
+                label: "surface",
+                layout: &layouts.view_only,
+                entry_point,
+                blend: None,
+                depth_stencil: wgpu::DepthStencilState {
+                    format: gpu.caps.depth_stencil_format,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                },
             },
-        });
+        );
         Self { pipeline }
     }
 

@@ -119,11 +119,9 @@ impl VolumePass {
     ) {
         pass.set_bind_group(1, light, &[]);
         pass.set_vertex_buffer(0, scene.volume_vertices.slice(..));
-        for (pipeline, indices) in [
-            (&self.zpass, &volumes.zpass),
-            (&self.zfail, &volumes.zfail),
-            (&self.light_caps, &volumes.light_caps),
-        ] {
+        for (pipeline, indices) in
+            [(&self.zpass, &volumes.zpass), (&self.zfail, &volumes.zfail), (&self.light_caps, &volumes.light_caps)]
+        {
             if let Some((buffer, count)) = indices {
                 pass.set_pipeline(pipeline);
                 pass.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);

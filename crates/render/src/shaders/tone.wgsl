@@ -18,7 +18,7 @@ fn vs_tone(@builtin(vertex_index) i: u32) -> Fragment {
 fn sky(screen: vec2f) -> vec3f {
     let d = normalize(view.forward_world + screen.x * view.right_world + screen.y * view.up_world);
     let height = pow(clamp(abs(d.z), 0.0, 1.0), 0.6);
-    return mix(vec3f(0.80, 0.825, 0.85), select(vec3f(0.62, 0.60, 0.57), vec3f(0.42, 0.56, 0.74), d.z > 0.0), height);
+    return mix(vec3f(0.74, 0.765, 0.79), select(vec3f(0.62, 0.60, 0.57), vec3f(0.42, 0.56, 0.74), d.z > 0.0), height);
 }
 
 // Khronos PBR Neutral (2024): colours below 0.8 stay as they are, highlights lose saturation instead of hue.
