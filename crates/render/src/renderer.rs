@@ -12,7 +12,7 @@ use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, GpuScene, LightVolumes, Look, Method, PassTime, Targets};
 
-/// Draws pictures and masks of one size of scene, with pipelines compiled once.
+/// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Gpu,
@@ -21,6 +21,24 @@ pub struct Renderer {
     mask: Passes,
     tone: TonePass,
     samples: u32,
+    format: wgpu::TextureFormat,
+}
+
+/// What a frame shows; all borrowed.
+#[derive(Debug, Clone, Copy)]
+pub struct Shot<'a> {
+    /// `casters`, uploaded.
+    pub scene: &'a GpuScene,
+    /// What is drawn and casts.
+    pub casters: &'a [Caster],
+    /// The eye; its size is the target's.
+    pub camera: &'a Camera,
+    /// Any number.
+    pub lights: &'a [Light],
+    /// How volumes are counted.
+    pub method: Method,
+    /// Exposure and fading.
+    pub look: &'a Look,
 }
 
 /// A finished picture.
@@ -55,6 +73,12 @@ pub struct LightReport {
 impl Renderer {
     /// Compiles every pipeline, for pictures with `samples` (1 or 4) samples a pixel.
     pub fn new(gpu: Gpu, samples: u32) -> Self {
+        Self::for_format(gpu, samples, PICTURE_FORMAT)
+    }
+
+    /// Like [`Renderer::new`], for [`Renderer::draw`] into views of `format`: that of a window's surface, say. An sRGB format gets the colours
+    /// right; [`Renderer::picture`] needs `Rgba8UnormSrgb`, which `new` takes.
+    pub fn for_format(gpu: Gpu, samples: u32, format: wgpu::TextureFormat) -> Self {
         let layouts = Layouts::new(&gpu);
         let passes = |output, samples| Passes {
             surface: SurfacePass::new(&gpu, &layouts, output, samples),
@@ -64,8 +88,8 @@ impl Renderer {
         let picture = passes(Output::Picture, samples);
         // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
         let mask = passes(Output::Mask, 1);
-        let tone = TonePass::new(&gpu, &layouts, PICTURE_FORMAT);
-        Self { gpu, layouts, picture, mask, tone, samples }
+        let tone = TonePass::new(&gpu, &layouts, format);
+        Self { gpu, layouts, picture, mask, tone, samples, format }
     }
 
     /// The device.
@@ -78,6 +102,10 @@ impl Renderer {
     /// # Errors
     ///
     /// [`GpuError`] when the picture or a volume does not fit on the device, or the device is lost.
+    ///
+    /// # Panics
+    ///
+    /// If the renderer was made for another format than `Rgba8UnormSrgb`.
     pub async fn picture(
         &self,
         scene: &GpuScene,
@@ -87,13 +115,9 @@ impl Renderer {
         method: Method,
         look: &Look,
     ) -> Result<Picture, GpuError> {
+        assert_eq!(self.format, PICTURE_FORMAT, "pictures are read back as sRGB bytes");
+        let shot = Shot { scene, casters, camera, lights, method, look };
         let targets = Targets::new(&self.gpu, Output::Picture, camera.size_px(), self.samples)?;
-        let seen = windings_of(casters, camera);
-        let (frame_lights, reports) = lights
-            .iter()
-            .map(|light| self.prepare_light(casters, &seen, camera, light, method))
-            .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
-        let view = self.view_group(camera, look);
         let finished = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("picture"),
             size: targets.resolved.size(),
@@ -104,14 +128,11 @@ impl Renderer {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
+        let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
 
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(lights.len()));
         let mut encoder = self.encoder("picture");
-        let frame = Frame { targets: &targets, scene, view: &view, lights: &frame_lights };
-        frame::record(&self.picture, frame, &mut encoder, &mut timer);
-        let radiance = self.tone.bind(&self.gpu, &targets);
-        let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
-        frame::record_tone(&self.tone, &radiance, &view, &to, &mut encoder, &mut timer);
+        let reports = self.record(&shot, &targets, &to, &mut encoder, &mut timer)?;
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
@@ -119,6 +140,48 @@ impl Renderer {
         let rgba = copy.read(&self.gpu).await?;
         let passes = timer.read(&self.gpu, times).await?;
         Ok(Picture { rgba, lights: reports, passes })
+    }
+
+    /// Submits the drawing of `shot` into `to`, a view of the renderer's format and the camera's size: a window's frame or a texture of the
+    /// caller's own. Waits for nothing.
+    ///
+    /// `targets`, made once for pictures of that size and the renderer's samples, are the frame's scratch.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when a volume does not fit on the device; nothing is drawn then.
+    pub fn draw(
+        &self,
+        shot: &Shot<'_>,
+        targets: &Targets,
+        to: &wgpu::TextureView,
+    ) -> Result<Vec<LightReport>, GpuError> {
+        let mut encoder = self.encoder("frame");
+        let reports = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(reports)
+    }
+
+    fn record(
+        &self,
+        shot: &Shot<'_>,
+        targets: &Targets,
+        to: &wgpu::TextureView,
+        encoder: &mut wgpu::CommandEncoder,
+        timer: &mut PassTimer,
+    ) -> Result<Vec<LightReport>, GpuError> {
+        let seen = windings_of(shot.casters, shot.camera);
+        let (lights, reports) = shot
+            .lights
+            .iter()
+            .map(|light| self.prepare_light(shot.casters, &seen, shot.camera, light, shot.method))
+            .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
+        let view = self.view_group(shot.camera, shot.look);
+        let frame = Frame { targets, scene: shot.scene, view: &view, lights: &lights };
+        frame::record(&self.picture, frame, encoder, timer);
+        let radiance = self.tone.bind(&self.gpu, targets);
+        frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
+        Ok(reports)
     }
 
     /// Draws the verdict of one light at each pixel's centre.

@@ -34,6 +34,11 @@ impl PassTimer {
         Self { queries, capacity, names: Vec::new() }
     }
 
+    /// A timer that times nothing.
+    pub(crate) fn off() -> Self {
+        Self { queries: None, capacity: 0, names: Vec::new() }
+    }
+
     /// The timestamps for the next pass.
     pub(crate) fn writes(&mut self, name: String) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let query_set = self.queries.as_ref()?;
