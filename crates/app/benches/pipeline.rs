@@ -29,7 +29,7 @@ const LAMP_RADII: glam::DVec3 = glam::DVec3::new(1.3, -0.7, 1.9);
 /// Of steps on the CPU; odd, so that the median is one of them.
 const RUNS: usize = 21;
 /// Of pictures; software needs about a second for some.
-const PICTURES: usize = 7;
+const PICTURES: usize = 5;
 /// Of whole processes.
 const PROCESSES: usize = 20;
 /// Below these the program has to stay.

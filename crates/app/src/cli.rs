@@ -1,38 +1,56 @@
 //! What can be asked for. Parsing does nothing but parse.
 
-use std::io;
+use std::ffi::OsString;
+use std::io::{self, Write as _};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
+use anstream::AutoStream;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 
-use crate::parse::{azimuth_altitude_deg, picture_size, xyz};
+use crate::output::write_to_stdout;
+use crate::parse::{azimuth_altitude_deg, fov_deg, picture_size, xyz};
 use crate::sample::Sample;
 
 /// Exact shadows of real models
 ///
-/// Reads glTF, OBJ, PLY and STL. Data goes to standard output, talk to standard error. Exit code 0: all well; 1: --verify found wrong pixels; 2: the
-/// input can't be used, and nothing was written.
+/// Reads glTF, OBJ, PLY and STL. Data goes to standard output, talk to standard error.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 110)]
+#[command(version, max_term_width = 110, after_long_help = AFTER_HELP)]
 pub struct Cli {
     /// What to do
     #[command(subcommand)]
     pub command: Command,
 
     /// Say nothing but errors
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = TALK)]
     pub quiet: bool,
 
     /// Colour what is said on standard error
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = TALK)]
     pub color: ColorWhen,
 }
+
+/// Options of every command stand together and last.
+const TALK: &str = "What is said";
+
+const AFTER_HELP: &str = "\
+Try this:
+  umbrae sample town -o town.glb
+  umbrae render town.glb -o town.png --sun 200,25 --verify
+  umbrae inspect town.glb
+
+Exit codes:
+  0  all went well
+  1  --verify found wrong pixels
+  2  the input or the machine can't be used, and nothing was written";
 
 /// When to use colour; every message makes sense without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorWhen {
-    /// On a terminal, unless NO_COLOR is set
+    /// On a terminal, unless `NO_COLOR` is set
     Auto,
     /// Always
     Always,
@@ -44,7 +62,7 @@ pub enum ColorWhen {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Draw models with exact shadows
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Tell what a model is made of and how it will cast; needs no graphics driver
     Inspect(InspectArgs),
     /// Write one of the built-in scenes
@@ -88,73 +106,99 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
 
-    /// Picture to write (PNG)
-    #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
-
-    /// Pixels across and down
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = picture_size)]
-    pub size: [u32; 2],
-
-    /// Samples a pixel; shadow edges are smooth with 4
-    #[arg(long, default_value = "4", value_parser = ["1", "4"])]
-    pub samples: String,
-
-    /// Where the eye is
-    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true)]
-    pub eye: Option<DVec3>,
-
-    /// What it looks at (default: the model's middle)
-    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true)]
-    pub target: Option<DVec3>,
-
-    /// Vertical field of view in degrees (default: 35)
-    #[arg(long, value_name = "DEGREES", conflicts_with = "camera")]
-    pub fov: Option<f64>,
-
-    /// A camera of the model, by name
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target"])]
-    pub camera: Option<String>,
-
-    /// The sun: degrees clockwise from north, and degrees above the horizon
-    #[arg(long, value_name = "AZIMUTH_DEG,ALTITUDE_DEG", value_parser = azimuth_altitude_deg, allow_hyphen_values = true)]
-    pub sun: Option<[f64; 2]>,
-
-    /// A lamp at this point; may be given several times
-    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true)]
-    pub point: Vec<DVec3>,
-
-    /// How shadow volumes are counted
-    #[arg(long, default_value = "auto")]
-    pub method: Method,
-
-    /// Draw no ground plane
-    #[arg(long)]
-    pub no_ground: bool,
-
-    /// Also write the first light's verdicts: 8-bit grey PNG, 255 lit, 0 in shadow or facing away, 128 no surface
-    #[arg(long, value_name = "FILE")]
-    pub mask: Option<PathBuf>,
-
-    /// Also write what was drawn and how long it took (JSON; - for standard output)
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-
-    /// Check every pixel and light against rays cast in double precision; exit with 1 if any is wrong
-    #[arg(long)]
-    pub verify: bool,
-
     /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,
 
+    /// Picture to write (PNG)
+    #[arg(long, short, value_name = "FILE", help_heading = "Files to write")]
+    pub output: PathBuf,
+
+    /// Also write the first light's verdicts: 8-bit grey PNG, 255 lit, 0 in shadow or facing away, 128 no surface
+    #[arg(long, value_name = "FILE", help_heading = "Files to write")]
+    pub mask: Option<PathBuf>,
+
+    /// Also write what was drawn and how long it took (JSON; - for standard output)
+    #[arg(long, value_name = "FILE", help_heading = "Files to write")]
+    pub json: Option<PathBuf>,
+
+    /// Check every pixel and light against rays cast in double precision; if any is wrong, exit with 1 and show where in a picture beside
+    /// the output, named `…-errors.png`
+    #[arg(long, help_heading = "Files to write")]
+    pub verify: bool,
+
+    /// Pixels across and down
+    #[arg(
+        long,
+        value_name = "WIDTHxHEIGHT",
+        default_value = "1280x720",
+        value_parser = picture_size,
+        allow_hyphen_values = true,
+        help_heading = "View"
+    )]
+    pub size: [u32; 2],
+
+    /// Samples a pixel; shadow edges are smooth with 4
+    #[arg(long, value_name = "COUNT", default_value = "4", value_parser = sample_count(), help_heading = "View")]
+    pub samples: u32,
+
+    /// Where the eye is (default: to the south-east and above, as near as shows the whole model)
+    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true, help_heading = "View")]
+    pub eye: Option<DVec3>,
+
+    /// What it looks at (default: the model's middle)
+    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true, help_heading = "View")]
+    pub target: Option<DVec3>,
+
+    /// Vertical field of view, 1 to 170 (default: 35)
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        value_parser = fov_deg,
+        allow_hyphen_values = true,
+        conflicts_with = "camera",
+        help_heading = "View"
+    )]
+    pub fov: Option<f64>,
+
+    /// A camera of the model, by the name that `umbrae inspect` shows
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target"], help_heading = "View")]
+    pub camera: Option<String>,
+
+    /// Draw no ground plane
+    #[arg(long, help_heading = "View")]
+    pub no_ground: bool,
+
+    /// The sun: degrees clockwise from north, and degrees above the horizon; without --sun and --point, the model's own lights shine
+    /// (default: 238,40 if it has none)
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ALTITUDE",
+        value_parser = azimuth_altitude_deg,
+        allow_hyphen_values = true,
+        help_heading = "Light"
+    )]
+    pub sun: Option<[f64; 2]>,
+
+    /// A lamp at this point; may be given several times
+    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true, help_heading = "Light")]
+    pub point: Vec<DVec3>,
+
+    /// How shadow volumes are counted
+    #[arg(long, default_value = "auto", help_heading = "Light")]
+    pub method: Method,
+
     /// Use the graphics adapter whose line in `umbrae doctor` contains NAME
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub adapter: Option<String>,
 
-    /// Use a software adapter
-    #[arg(long)]
+    /// Use a software adapter even where there is hardware
+    #[arg(long, help_heading = "Machine")]
     pub software: bool,
+}
+
+fn sample_count() -> impl clap::builder::TypedValueParser<Value = u32> {
+    PossibleValuesParser::new(["1", "4"]).try_map(|count| count.parse::<u32>())
 }
 
 /// Tell what a model is made of and how it will cast; needs no graphics driver
@@ -163,11 +207,11 @@ pub struct InspectArgs {
     /// Model: .glb .gltf .obj .ply .ply.gz .stl
     pub model: PathBuf,
 
-    /// Print JSON
+    /// Print JSON, warnings included
     #[arg(long)]
     pub json: bool,
 
-    /// The axis that is up in files that do not say
+    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,
 }
@@ -208,8 +252,45 @@ impl From<Method> for umbrae_render::Method {
 ///
 /// When standard output can't be written.
 pub fn write_completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
-    clap_complete::generate(shell, &mut Cli::command(), "umbrae", &mut io::stdout());
-    Ok(())
+    // Not to standard output at once: the generator panics where that is full.
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "umbrae", &mut text);
+    write_to_stdout(&text)
+}
+
+/// Says why there is no [`Cli`]: what was asked for is help or the version, or can't be understood. Returns the exit code.
+pub fn explain(said: &clap::Error) -> ExitCode {
+    // `--color` is not known from a command line that failed, so it is looked for.
+    let color = requested_color(std::env::args_os()).into();
+    let text = said.render().ansi().to_string();
+    // If nobody listens there is nobody left to tell.
+    let _ = if said.use_stderr() {
+        AutoStream::new(io::stderr(), color).write_all(text.as_bytes())
+    } else {
+        AutoStream::new(io::stdout(), color).write_all(text.as_bytes())
+    };
+    u8::try_from(said.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
+}
+
+/// The last good value of `--color`.
+fn requested_color(args: impl Iterator<Item = OsString>) -> ColorWhen {
+    let args: Vec<String> = args.map(|arg| arg.to_string_lossy().into_owned()).collect();
+    let value = |(i, arg): (usize, &String)| match arg.strip_prefix("--color")? {
+        "" => args.get(i + 1).cloned(),
+        rest => rest.strip_prefix('=').map(str::to_owned),
+    };
+    let parse = |value: String| ColorWhen::from_str(&value, false).ok();
+    args.iter().enumerate().filter_map(value).filter_map(parse).next_back().unwrap_or(ColorWhen::Auto)
+}
+
+impl From<ColorWhen> for anstream::ColorChoice {
+    fn from(when: ColorWhen) -> Self {
+        match when {
+            ColorWhen::Auto => Self::Auto,
+            ColorWhen::Always => Self::Always,
+            ColorWhen::Never => Self::Never,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -219,5 +300,25 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_wish_for_colour_is_found_in_a_command_line_that_is_wrong() {
+        let of = |line: &str| requested_color(line.split(' ').map(OsString::from));
+        assert_eq!(of("umbrae --color never bogus"), ColorWhen::Never);
+        assert_eq!(of("umbrae bogus --color=always"), ColorWhen::Always);
+        for line in ["umbrae bogus", "umbrae --color", "umbrae --color pink", "umbrae --colors=never"] {
+            assert_eq!(of(line), ColorWhen::Auto, "{line}");
+        }
+    }
+
+    #[test]
+    fn the_help_tells_the_defaults_as_they_are() {
+        let mut command = Cli::command();
+        command.build();
+        let help = command.find_subcommand_mut("render").expect("it is a command").render_long_help().to_string();
+        let [azimuth, altitude] = crate::view::DEFAULT_SUN_DEG;
+        assert!(help.contains(&format!("default: {azimuth},{altitude} if")), "{help}");
+        assert!(help.contains(&format!("default: {})", crate::view::DEFAULT_FOV_DEG)), "{help}");
     }
 }

@@ -1,7 +1,7 @@
 //! `umbrae inspect`: what a model is made of, and how it will cast. Starts no GPU.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -10,7 +10,8 @@ use umbrae_formats::{Format, Model};
 
 use crate::cli::InspectArgs;
 use crate::model::{format_name, load_one};
-use crate::talk::Talk;
+use crate::output::write_to_stdout;
+use crate::talk::{Talk, printable};
 
 /// The JSON of `umbrae inspect --json`.
 #[derive(Debug, Serialize)]
@@ -87,13 +88,8 @@ pub fn run(args: &InspectArgs, talk: &Talk) -> anyhow::Result<()> {
     let quiet = Talk::new(true, crate::cli::ColorWhen::Never);
     let model = load_one(&args.model, args.up, if args.json { &quiet } else { talk })?;
     let inspection = Inspection::new(args.model.display().to_string(), &model);
-    let text = if args.json {
-        format!("{}\n", serde_json::to_string_pretty(&inspection)?)
-    } else {
-        inspection.text()
-    };
-    std::io::stdout().write_all(text.as_bytes())?;
-    Ok(())
+    let text = if args.json { format!("{}\n", serde_json::to_string_pretty(&inspection)?) } else { inspection.text() };
+    write_to_stdout(text.as_bytes())
 }
 
 impl Inspection {
@@ -143,20 +139,20 @@ impl Inspection {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("{}: {}, {} up\n", self.file, self.format, self.up);
+        let mut text = format!("{}: {}, {} up\n", printable(&self.file), self.format, self.up);
         self.total.write_to(&mut text, "  ");
         if self.origin != [0.0; 3] {
             let _ = writeln!(text, "  origin                 {:?}", self.origin);
         }
         for (what, names) in [("camera", &self.cameras), ("light", &self.lights)] {
             for name in names {
-                let _ = writeln!(text, "  {what:<22} {name}");
+                let _ = writeln!(text, "  {what:<22} {}", printable(name));
             }
         }
         if self.objects.len() > 1 {
             let _ = writeln!(text, "{} objects", self.objects.len());
             for object in &self.objects {
-                let _ = writeln!(text, "  {}", object.name);
+                let _ = writeln!(text, "  {}", printable(&object.name));
                 object.counts.write_to(&mut text, "    ");
             }
         }
@@ -190,9 +186,9 @@ impl Counts {
     fn write_to(&self, text: &mut String, indent: &str) {
         let kind = match (self.closed, self.components.other) {
             (true, 0) => "closed, consistently wound",
-            (true, _) => "closed, not consistently wound",
-            (false, 0) => "closed in the wider sense: every edge is walked equally often both ways",
-            (false, _) => "not closed: every triangle casts by itself where that is so",
+            (true, _) => "closed, not consistently wound; casts triangle by triangle where that is so",
+            (false, 0) => "closed: some edges have more than two triangles, but all are walked equally often both ways",
+            (false, _) => "not closed; casts triangle by triangle where that is so",
         };
         let BoundsJson { min, max } = &self.bounds;
         let rows = [
@@ -216,12 +212,8 @@ impl Counts {
 
 /// Each mesh once.
 fn total_of_meshes(scene: &Scene) -> Counts {
-    let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
-    for object in &scene.objects {
-        if !meshes.iter().any(|mesh| Arc::ptr_eq(mesh, &object.mesh)) {
-            meshes.push(&object.mesh);
-        }
-    }
+    let mut seen = BTreeSet::new();
+    let meshes = scene.objects.iter().map(|object| &object.mesh).filter(|mesh| seen.insert(Arc::as_ptr(mesh)));
     let (mut counts, mut welded, mut topology) = (MeshCounts::default(), 0, TopologyCounts::default());
     for mesh in meshes {
         counts = plus(counts, mesh.counts());

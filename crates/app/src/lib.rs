@@ -16,3 +16,8 @@ pub mod sample;
 pub mod talk;
 pub mod verify;
 pub mod view;
+
+/// The README's code, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

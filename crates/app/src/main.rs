@@ -1,9 +1,11 @@
 //! `umbrae`: exact shadows of real models.
 
+use std::env;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use umbrae::cli::{Cli, Command};
+use umbrae::cli::{Cli, Command, explain};
 use umbrae::talk::Talk;
 use umbrae::{doctor, inspect, render, sample};
 
@@ -13,7 +15,11 @@ const FOUND_ERRORS: u8 = 1;
 const BAD_INPUT: u8 = 2;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    silence_device_select();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(said) => return explain(&said),
+    };
     let talk = Talk::new(cli.quiet, cli.color);
     let result = match &cli.command {
         Command::Render(args) => render::run(args, &talk).map(|is_right| if is_right { OK } else { FOUND_ERRORS }),
@@ -26,4 +32,23 @@ fn main() -> ExitCode {
         talk.error(&error);
         BAD_INPUT
     }))
+}
+
+/// Keeps Mesa's device-select layer for Vulkan from asking a Wayland compositor that can't be there.
+///
+/// The layer asks whatever is drawn, a window or not, and where `XDG_RUNTIME_DIR` names no folder (a container, CI, cron, `sudo`) libwayland
+/// prints "error: XDG_RUNTIME_DIR is invalid or not set" under the program's name. Who chooses a device by the layer's own variables keeps
+/// the layer.
+fn silence_device_select() {
+    let has_runtime_folder = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    let is_in_use =
+        ["NODEVICE_SELECT", "MESA_VK_DEVICE_SELECT", "DRI_PRIME"].iter().any(|name| env::var_os(name).is_some());
+    if has_runtime_folder || is_in_use {
+        return;
+    }
+    #[expect(unsafe_code, reason = "the layer listens to nothing but its variable")]
+    // SAFETY: this is the first thing that the program does, so no other thread reads the environment.
+    unsafe {
+        env::set_var("NODEVICE_SELECT", "1");
+    }
 }

@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Camera, Caster, Judgement, Light, LightPosition, Oracle};
+use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
 use umbrae_render::{AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, compare};
 use web_time::Instant;
 
 use crate::cli::{Method, RenderArgs};
 use crate::model::load_all;
-use crate::output::{Output, png};
+use crate::output::{Output, Staged, png, write_to_stdout};
 use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
-use crate::talk::Talk;
+use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
-use crate::view::{ViewChoice, add_ground, camera, ground_under, lights};
+use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under, lights};
 
 /// Everything a picture is made of, ready to draw.
 struct Stage {
@@ -41,6 +42,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let model = scene.bounds();
     let choice = view_choice(args);
     let ground = (!args.no_ground).then(|| ground_under(&model));
+    ensure_drawable(&scene, &model, ground.as_ref()).with_context(|| format!("can't draw {}", names(&args.models)))?;
     let camera = camera(&choice, &scene, &model, ground.as_ref())?;
     let lights = lights(&choice, &scene, &model);
     if let Some(ground) = &ground {
@@ -52,9 +54,8 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let casters = Caster::of_scene(&scene);
     times.topology = ms_since(start);
     let start = Instant::now();
-    let samples: u32 = args.samples.parse().expect("the command line allows 1 and 4");
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: args.adapter.clone(), is_software: args.software }))?;
-    let renderer = Renderer::new(gpu, samples);
+    let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
@@ -68,7 +69,8 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
-    let verified = args.verify.then(|| verify(&stage, &args.output, talk)).transpose()?;
+    let (verified, wrong) = args.verify.then(|| verify(&stage, talk)).transpose()?.unzip();
+    let wrong = wrong.flatten();
     times.verify = if args.verify { ms_since(start) } else { 0.0 };
 
     let origin = scene.origin;
@@ -79,7 +81,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         origin: origin.to_array(),
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
         camera: CameraReport::new(&camera, origin),
-        samples,
+        samples: args.samples,
         method: method_name(args.method),
         lights: (stage.lights.iter().zip(&picture.lights))
             .map(|(light, report)| LightJson::new(light, report, &stage.casters, origin))
@@ -88,8 +90,11 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         times_ms: times,
         verify: verified,
     };
-    outputs.finish(&picture, mask.as_ref(), &report, size)?;
+    outputs.finish(&picture, mask.as_ref(), wrong.as_deref(), &report, size)?;
 
+    if wrong.is_some() {
+        talk.warning(&format!("wrong pixels are ringed in red in `{}`", errors_path(&args.output).display()));
+    }
     talk.note(&summary(&stage, args));
     Ok(report.verify.is_none_or(|v| v.errors == 0))
 }
@@ -111,6 +116,8 @@ impl Stage {
 struct Outputs {
     picture: Output,
     mask: Option<Output>,
+    /// Written only if `--verify` finds something.
+    errors: Option<Output>,
     json: Json,
 }
 
@@ -122,33 +129,76 @@ enum Json {
 
 impl Outputs {
     fn create(args: &RenderArgs) -> anyhow::Result<Self> {
-        Ok(Self {
-            picture: Output::create(&args.output)?,
-            mask: args.mask.as_deref().map(Output::create).transpose()?,
+        let outputs = Self {
+            picture: Output::create_png(&args.output)?,
+            mask: args.mask.as_deref().map(Output::create_png).transpose()?,
+            errors: args.verify.then(|| Output::create(&errors_path(&args.output))).transpose()?,
             json: match args.json.as_deref() {
                 None => Json::None,
                 Some(path) if path == Path::new("-") => Json::StandardOutput,
                 Some(path) => Json::File(Output::create(path)?),
             },
-        })
+        };
+        outputs.ensure_apart(&args.models)?;
+        Ok(outputs)
     }
 
-    fn finish(self, picture: &Picture, mask: Option<&Mask>, report: &Report, size_px: [u32; 2]) -> anyhow::Result<()> {
-        self.picture.finish(&png(&picture.rgba, size_px, Rgba8)?)?;
-        if let (Some(output), Some(mask)) = (self.mask, mask) {
-            output.finish(&png(&mask.verdicts, size_px, L8)?)?;
+    /// No two outputs in one file, and no model overwritten.
+    fn ensure_apart(&self, models: &[PathBuf]) -> anyhow::Result<()> {
+        let json = if let Json::File(json) = &self.json { Some(json) } else { None };
+        let all: Vec<(&str, &Output)> = [
+            ("--output", Some(&self.picture)),
+            ("--mask", self.mask.as_ref()),
+            ("--json", json),
+            ("the picture of --verify", self.errors.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(name, output)| Some((name, output?)))
+        .collect();
+        for (i, (name, output)) in all.iter().enumerate() {
+            let path = output.path().display();
+            if let Some((other, _)) = all[..i].iter().find(|(_, other)| output.is_same_file_as(other)) {
+                bail!("{other} and {name} would both be written to `{path}`; give each a file of its own");
+            }
+            let is_model = models.iter().any(|model| output.is_file_at(model));
+            ensure!(!is_model, "{name} would overwrite the model `{path}`; give another name");
         }
-        let json = format!("{}\n", serde_json::to_string_pretty(report)?);
+        Ok(())
+    }
+
+    /// Writes everything, or nothing.
+    fn finish(
+        self,
+        picture: &Picture,
+        mask: Option<&Mask>,
+        wrong: Option<&[u8]>,
+        report: &Report,
+        size_px: [u32; 2],
+    ) -> anyhow::Result<()> {
+        let json = format!("{}\n", serde_json::to_string_pretty(report)?).into_bytes();
+        let mut staged = Vec::new();
+        let mut to_stdout = None;
         match self.json {
-            Json::None => Ok(()),
-            Json::StandardOutput => Ok(std::io::Write::write_all(&mut std::io::stdout(), json.as_bytes())?),
-            Json::File(output) => output.finish(json.as_bytes()),
+            Json::None => {}
+            Json::StandardOutput => to_stdout = Some(json),
+            Json::File(output) => staged.push(output.stage(json)?),
         }
+        if let (Some(output), Some(mask)) = (self.mask, mask) {
+            staged.push(output.stage(png(&mask.verdicts, size_px, L8)?)?);
+        }
+        if let (Some(output), Some(wrong)) = (self.errors, wrong) {
+            staged.push(output.stage(png(wrong, size_px, Rgba8)?)?);
+        }
+        staged.push(self.picture.stage(png(&picture.rgba, size_px, Rgba8)?)?);
+        if let Some(json) = to_stdout {
+            write_to_stdout(&json)?;
+        }
+        staged.into_iter().try_for_each(Staged::publish)
     }
 }
 
-/// Draws each light's mask and compares it with rays; says the result, and writes a picture of the first light with errors.
-fn verify(stage: &Stage, output: &Path, talk: &Talk) -> anyhow::Result<VerifyJson> {
+/// Draws each light's mask and compares it with rays; says the result, and returns it with a picture of the first light with errors.
+fn verify(stage: &Stage, talk: &Talk) -> anyhow::Result<(VerifyJson, Option<Vec<u8>>)> {
     let oracle = Oracle::new(&stage.casters);
     let [width, height] = stage.camera.size_px();
     let bar = talk.progress("casting rays", height.into());
@@ -157,35 +207,29 @@ fn verify(stage: &Stage, output: &Path, talk: &Talk) -> anyhow::Result<VerifyJso
     bar.finish_and_clear();
 
     let mut total = VerifyJson::default();
-    let mut first_wrong: Option<(Mask, &[Judgement], Comparison)> = None;
+    let mut wrong = None;
     for (light, judgements) in stage.lights.iter().zip(&judged) {
         let mask = stage.mask(light)?;
         let comparison = compare(&mask.verdicts, judgements);
         total.add(&light.name, &comparison);
         let Comparison { surface, decided, ref errors, .. } = comparison;
         talk.note(&format!(
-            "verify {}: {} errors in {decided} decided of {surface} surface pixels",
+            "verify {}: {} in {decided} decided of {surface} surface pixels",
             light.name,
-            errors.len()
+            counted(errors.len(), "error")
         ));
-        if !errors.is_empty() && first_wrong.is_none() {
-            first_wrong = Some((mask, judgements, comparison));
+        if !errors.is_empty() && wrong.is_none() {
+            wrong = Some(error_picture(&mask.verdicts, judgements, errors, width as usize));
         }
     }
-    if let Some((mask, judgements, comparison)) = first_wrong {
-        let path = beside(output, "-errors.png");
-        let rgba = error_picture(&mask.verdicts, judgements, &comparison.errors, width as usize);
-        Output::create(&path)?.finish(&png(&rgba, [width, height], Rgba8)?)?;
-        talk.warning(&format!("wrong pixels are ringed in red in `{}`", path.display()));
-    }
-    Ok(total)
+    Ok((total, wrong))
 }
 
-/// `out.png` and `-errors.png` into `out-errors.png`.
-fn beside(path: &Path, ending: &str) -> PathBuf {
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(ending);
-    path.with_file_name(name)
+/// Where `--verify` shows errors: `out-errors.png` for `out.png`.
+fn errors_path(output: &Path) -> PathBuf {
+    let mut name = output.file_stem().unwrap_or_default().to_owned();
+    name.push("-errors.png");
+    output.with_file_name(name)
 }
 
 fn view_choice(args: &RenderArgs) -> ViewChoice {
@@ -200,11 +244,16 @@ fn view_choice(args: &RenderArgs) -> ViewChoice {
     }
 }
 
+/// Each in quotation marks.
+fn names(paths: &[PathBuf]) -> String {
+    paths.iter().map(|path| format!("`{}`", path.display())).collect::<Vec<_>>().join(", ")
+}
+
 fn warn_of_darkness(lights: &[Light], talk: &Talk) {
     for light in lights {
         let l = light.position.homogeneous();
         if light.position.is_directional() && l.z <= 0.0 {
-            talk.warning(&format!("the {} is below the horizon: level ground is dark", light.name));
+            talk.warning(&format!("the {} is not above the horizon: level ground is dark", light.name));
         }
     }
 }
@@ -212,10 +261,11 @@ fn warn_of_darkness(lights: &[Light], talk: &Talk) {
 fn summary(stage: &Stage, args: &RenderArgs) -> String {
     let triangles: usize = stage.casters.iter().map(|c| c.mesh.triangles().len()).sum();
     format!(
-        "`{}`: {triangles} triangles in {} objects, {} on {}",
+        "`{}`: {} in {}, {} on {}",
         args.output.display(),
-        stage.casters.len(),
-        if stage.lights.len() == 1 { "1 light".to_owned() } else { format!("{} lights", stage.lights.len()) },
+        counted(triangles, "triangle"),
+        counted(stage.casters.len(), "object"),
+        counted(stage.lights.len(), "light"),
         stage.renderer.gpu().label
     )
 }

@@ -1,5 +1,6 @@
 //! What is said on standard error.
 
+use std::borrow::Cow;
 use std::io::Write as _;
 use std::time::Duration;
 
@@ -19,12 +20,7 @@ pub struct Talk {
 impl Talk {
     /// `is_quiet` leaves only errors.
     pub fn new(is_quiet: bool, color: ColorWhen) -> Self {
-        let color = match color {
-            ColorWhen::Auto => ColorChoice::Auto,
-            ColorWhen::Always => ColorChoice::Always,
-            ColorWhen::Never => ColorChoice::Never,
-        };
-        Self { is_quiet, color }
+        Self { is_quiet, color: color.into() }
     }
 
     /// The sentence with its causes.
@@ -46,27 +42,52 @@ impl Talk {
     /// Something worth knowing.
     pub fn note(&self, text: &str) {
         if !self.is_quiet {
-            self.write(&format!("{text}\n"));
+            self.write(&format!("{}\n", printable(text)));
         }
     }
 
     /// A bar of `steps` for work that may take long; seen only on a terminal.
     pub fn progress(&self, what: &'static str, steps: u64) -> ProgressBar {
         let target = if self.is_quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}% {eta}")
-            .expect("the template is ours and valid");
+        let style =
+            ProgressStyle::with_template("{msg} {wide_bar} {percent}% {eta}").expect("the template is ours and valid");
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style).with_message(what);
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
     }
 
     fn line(&self, style: Style, label: &str, text: &str) {
-        self.write(&format!("{style}{label}:{style:#} {text}\n"));
+        self.write(&format!("{style}{label}:{style:#} {}\n", printable(text)));
     }
 
     fn write(&self, text: &str) {
         let mut stream = AutoStream::new(std::io::stderr(), self.color);
         // If standard error is gone there is nobody left to tell.
         let _ = stream.write_all(text.as_bytes());
+    }
+}
+
+/// `1 light`, `2 lights`.
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// `text` on one line, with control characters written out: names in a file may hold any, and a terminal would obey them.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return Cow::Borrowed(text);
+    }
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(escape).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_can_not_command_a_terminal() {
+        assert_eq!(printable("Größe ❤ \"a\""), "Größe ❤ \"a\"");
+        assert_eq!(printable("red \u{1b}[31m\nline\u{9b}2J"), "red \\u{1b}[31m\\nline\\u{9b}2J");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context as _, bail};
+use anyhow::{bail, ensure};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use umbrae_core::{Bounds, Camera, Light, LightPosition, Material, Mesh, Object, Scene, Surface};
 
@@ -37,16 +37,16 @@ pub struct Ground {
 }
 
 /// The afternoon sun of a picture without lights: from the south-west, so that the shadows of a model that faces south fall back and to the right.
-const DEFAULT_SUN_DEG: [f64; 2] = [238.0, 40.0];
+pub(crate) const DEFAULT_SUN_DEG: [f64; 2] = [238.0, 40.0];
 /// Irradiance of the sun against that of anything else; only ratios are seen.
 const SUN_STRENGTH: Vec3 = Vec3::new(3.2, 3.05, 2.8);
 /// A lamp gives this irradiance at the model's middle, or where its bounding sphere would be if it is nearer.
 const LAMP_STRENGTH: Vec3 = Vec3::new(3.1, 2.95, 2.7);
 /// Where the eye of a default view is: clockwise from north, and above the horizon, seen from the model.
 const DEFAULT_EYE_DEG: [f64; 2] = [152.0, 24.0];
-const DEFAULT_FOV_DEG: f64 = 35.0;
+pub(crate) const DEFAULT_FOV_DEG: f64 = 35.0;
 /// Room around the model in a default view.
-const MARGIN: f64 = 1.07;
+const MARGIN: f64 = 1.18;
 /// The near plane is this far towards the nearest thing that can be seen, so that a wide margin is left…
 const NEAR_SHARE: f64 = 0.5;
 /// …but no nearer than this, in radii of the model: enough to stand in a room of it. Depth is interpolated in `f32` along faces
@@ -56,6 +56,36 @@ const LEAST_NEAR_RADII: f64 = 1e-3;
 const GROUND_GAP_RADII: f64 = 2e-4;
 /// The ground ends at this many radii, beyond where it has faded.
 const GROUND_EXTENT_RADII: f64 = 12.0;
+
+/// Lengths below this, squared, are lost in `f32`.
+const LEAST_SIZE_M: f64 = 1e-18;
+/// Coordinates from here on are no mesh's: products of four of them overflow `f32`.
+const MAX_COORDINATE: f64 = 1e18;
+
+/// Makes sure that there is something to draw, and that `f32` can hold it.
+///
+/// # Errors
+///
+/// When the model, which fills `model` of `scene`, is too small, or is nothing but triangles without area, or when `ground` reaches too far.
+pub fn ensure_drawable(scene: &Scene, model: &Bounds, ground: Option<&Ground>) -> anyhow::Result<()> {
+    let size_m = model.size().length();
+    ensure!(size_m >= LEAST_SIZE_M, "the model is {size_m:e} m across, too small to draw; scale it up");
+    if let Some(ground) = ground {
+        let reach = ground.center.abs().max_element() + ground.half_extent_m;
+        ensure!(
+            reach.max(ground.height_m.abs()) < MAX_COORDINATE,
+            "the model is {size_m:e} m across, too large for a ground plane under it; scale it down, or use --no-ground"
+        );
+    }
+    let mut triangles = scene.objects.iter().flat_map(|object| {
+        let in_scene =
+            |i: u32| object.world_from_object.transform_point3(object.mesh.positions()[i as usize].as_dvec3());
+        object.mesh.triangles().iter().map(move |triangle| triangle.map(|i| in_scene(i).as_vec3().as_dvec3()))
+    });
+    let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
+    ensure!(triangles.any(has_area), "every triangle of the model is a line or a point, so there is nothing to draw");
+    Ok(())
+}
 
 /// The ground under a model.
 pub fn ground_under(model: &Bounds) -> Ground {
@@ -70,7 +100,7 @@ pub fn ground_under(model: &Bounds) -> Ground {
     }
 }
 
-/// Adds the ground to `scene` as an object like any other.
+/// Adds the ground to `scene`, as an object like any other. It must be that of a model for which [`ensure_drawable`] holds.
 pub fn add_ground(scene: &mut Scene, ground: &Ground) {
     let corner = |x: f64, y: f64| {
         let offset = DVec2::new(x, y) * ground.half_extent_m;
@@ -85,7 +115,7 @@ pub fn add_ground(scene: &mut Scene, ground: &Ground) {
     scene.materials.push(Material { name: "ground".to_owned(), base_color: Vec3::new(0.60, 0.585, 0.56) });
     scene.objects.push(Object {
         name: "ground".to_owned(),
-        mesh: Arc::new(Mesh::new(surface).expect("a finite model has a finite ground")),
+        mesh: Arc::new(Mesh::new(surface).expect("a drawable model has a finite ground")),
         world_from_object: DAffine3::IDENTITY,
     });
 }
@@ -131,31 +161,36 @@ fn sun_light([azimuth_deg, altitude_deg]: [f64; 2]) -> Light {
 /// # Errors
 ///
 /// When the model has no camera of that name, or what was said can't be a camera.
-pub fn camera(
-    choice: &ViewChoice,
-    scene: &Scene,
-    model: &Bounds,
-    ground: Option<&Ground>,
-) -> anyhow::Result<Camera> {
+pub fn camera(choice: &ViewChoice, scene: &Scene, model: &Bounds, ground: Option<&Ground>) -> anyhow::Result<Camera> {
     if let Some(name) = &choice.camera_name {
         return Ok(named_camera(scene, name)?.with_size(choice.size_px)?);
     }
     let fov_rad = choice.fov_deg.unwrap_or(DEFAULT_FOV_DEG).to_radians();
     let least_near = LEAST_NEAR_RADII * radius_of(model);
-    let target = choice.target.map_or(model.center(), |target| target - scene.origin);
-    let make = |eye: DVec3, near: f64| Camera::new(eye, target, fov_rad, near, choice.size_px);
-    let eye = if let Some(eye) = choice.eye {
-        eye - scene.origin
+    let make = |eye: DVec3, target: DVec3, near: f64| Camera::new(eye, target, fov_rad, near, choice.size_px);
+    let target = choice.target.map(|target| target - scene.origin);
+    let (eye, target) = if let Some(eye) = choice.eye {
+        (eye - scene.origin, target.unwrap_or(model.center()))
     } else {
         let [azimuth, altitude] = DEFAULT_EYE_DEG.map(f64::to_radians);
-        let towards_eye = LightPosition::sun(azimuth, altitude).homogeneous().truncate();
-        // The direction decides what fits; only then is the distance known.
-        let camera = make(target + towards_eye * radius_of(model), least_near)?;
-        target + towards_eye * framing_distance(&camera, model)
+        let from_eye = -LightPosition::sun(azimuth, altitude).homogeneous().truncate();
+        let direction_only = make(DVec3::ZERO, from_eye, least_near)?;
+        let eye = framing_eye(&direction_only, scene);
+        // What the user wants in the middle goes there, from as far away as frames the model.
+        let middle = target.unwrap_or(eye + from_eye * (model.center() - eye).dot(from_eye));
+        (middle - from_eye * (middle - eye).dot(from_eye), middle)
     };
-    let camera = make(eye, least_near).context("--eye and --target make no view")?;
+    if eye.distance(target) == 0.0 {
+        let [x, y, z] = (eye + scene.origin).to_array();
+        let at = format!("at {x:?},{y:?},{z:?}");
+        if choice.target.is_some() {
+            bail!("the eye and its target are both {at}; move one of them");
+        }
+        bail!("the eye is {at}, in the model's middle, which it looks at by default; give a --target");
+    }
+    let camera = make(eye, target, least_near)?;
     let near = (NEAR_SHARE * nearest_depth(&camera, model, ground)).max(least_near);
-    Ok(make(eye, near)?)
+    Ok(make(eye, target, near)?)
 }
 
 /// A view depth below which `camera` sees nothing of the model's box and of the ground; may be 0 or less.
@@ -183,19 +218,29 @@ fn named_camera<'a>(scene: &'a Scene, name: &str) -> anyhow::Result<&'a umbrae_c
     bail!("there is no camera `{name}`; the model has {}", names.join(", "));
 }
 
-/// How far from its target a camera of this direction must be for all of `model` to be in the picture.
-fn framing_distance(camera: &Camera, model: &Bounds) -> f64 {
+/// The nearest eye from which a camera that looks as `camera` does sees every vertex of `scene`, the model as large as it can be and in the
+/// middle.
+fn framing_eye(camera: &Camera, scene: &Scene) -> DVec3 {
     let [right, up, forward] = camera.axes();
-    let half = camera.half_extent();
-    model
-        .corners()
-        .into_iter()
-        .map(|corner| {
-            let offset = corner - camera.target();
-            let sideways = (offset.dot(right).abs() / half.x).max(offset.dot(up).abs() / half.y);
-            sideways * MARGIN - offset.dot(forward)
-        })
-        .fold(2.0 * camera.near(), f64::max)
+    let half = camera.half_extent() / MARGIN;
+    // A point (x, y, z) along these axes is in the picture of an eye (u, v, w) where |x - u| <= half.x (z - w), that is, where
+    // u - half.x w is at least x - half.x z, and -u - half.x w at least -x - half.x z; and so for y.
+    let mut least = [f64::NEG_INFINITY; 4];
+    for object in &scene.objects {
+        for position in object.mesh.positions() {
+            let p = object.world_from_object.transform_point3(position.as_dvec3());
+            let (x, y, z) = (p.dot(right), p.dot(up), p.dot(forward));
+            let bounds = [x - half.x * z, -x - half.x * z, y - half.y * z, -y - half.y * z];
+            for (least, bound) in least.iter_mut().zip(bounds) {
+                *least = least.max(bound);
+            }
+        }
+    }
+    let [right_most, left_most, upper_most, lower_most] = least;
+    let depth = (-(right_most + left_most) / (2.0 * half.x)).min(-(upper_most + lower_most) / (2.0 * half.y));
+    // A flat or single point needs no distance; keep some.
+    let depth = depth - 1e-3 * radius_of(&scene.bounds());
+    right * (0.5 * (right_most - left_most)) + up * (0.5 * (upper_most - lower_most)) + forward * depth
 }
 
 /// The radius of a model, or 1 m for a single point.

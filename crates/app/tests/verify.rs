@@ -4,7 +4,6 @@
 //! stencil wraps. Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
-#![expect(clippy::print_stdout, reason = "the table is what one runs this for")]
 
 mod data;
 
@@ -176,7 +175,7 @@ fn draw_errors(line: &Line, mask: &[u8], judgements: &[Judgement], errors: &[usi
 /// The sun; a lamp outside; a lamp inside the model's box; a lamp in the plane of one of its triangles.
 fn four_lights(bounds: &Bounds, caster: &Caster, sun: LightPosition) -> [Light; 4] {
     let at = |x: f64, y: f64, z: f64| bounds.center() + 0.5 * bounds.size() * DVec3::new(x, y, z);
-    let [a, b, c] = caster.corners(caster.mesh.triangles().len() / 2).map(|p| p.as_dvec3());
+    let [a, b, c] = caster.corners(caster.mesh.triangles().len() / 2).map(Vec3::as_dvec3);
     let light = |name: &str, position: LightPosition| Light {
         name: name.to_owned(),
         position: position.rounded_to_f32(),
@@ -193,9 +192,9 @@ fn four_lights(bounds: &Bounds, caster: &Caster, sun: LightPosition) -> [Light; 
 
 /// A view whose eye the model shades: behind it as seen from the light, or as near to that as can be found.
 fn in_shadow(bounds: &Bounds, model: &Oracle, light: LightPosition, origin: DVec3) -> ViewChoice {
-    let to_light = light.from_point(bounds.center()).normalize_or_zero();
+    let to_light = light.offset_from(bounds.center()).normalize_or_zero();
     let radius = bounds.radius();
-    let is_shaded = |eye: DVec3| model.rays().is_hit(eye, light.from_point(eye), 0.0, f64::INFINITY);
+    let is_shaded = |eye: DVec3| model.rays().is_hit(eye, light.offset_from(eye), 0.0, f64::INFINITY);
     let behind = bounds.center() - to_light * radius * 1.15;
     let eye = (1..200)
         .map(|i| {

@@ -5,7 +5,7 @@ use anyhow::ensure;
 use super::glb_bytes;
 use crate::cli::SampleArgs;
 use crate::output::Output;
-use crate::talk::Talk;
+use crate::talk::{Talk, counted};
 
 /// Writes the scene that `args` name as GLB, and says what is in it.
 ///
@@ -18,8 +18,8 @@ pub fn run(args: &SampleArgs, talk: &Talk) -> anyhow::Result<()> {
     ensure!(is_glb, "can't write `{path}`: samples are GLB files; give a name that ends in .glb");
     let output = Output::create(&args.output)?;
     let scene = args.name.scene();
-    output.finish(&glb_bytes(&scene))?;
+    output.finish(glb_bytes(&scene))?;
     let (triangles, objects) = (scene.triangle_count(), scene.objects.len());
-    talk.note(&format!("wrote {path}: {triangles} triangles in {objects} objects"));
+    talk.note(&format!("`{path}`: {} in {}", counted(triangles, "triangle"), counted(objects, "object")));
     Ok(())
 }
