@@ -36,9 +36,8 @@ fn main() -> ExitCode {
 
 /// Keeps Mesa's device-select layer for Vulkan from asking a Wayland compositor that can't be there.
 ///
-/// The layer asks whatever is drawn, a window or not, and where `XDG_RUNTIME_DIR` names no folder (a container, CI, cron, `sudo`) libwayland
-/// prints "error: XDG_RUNTIME_DIR is invalid or not set" under the program's name. Who chooses a device by the layer's own variables keeps
-/// the layer.
+/// The layer asks whatever is drawn, a window or not, and where `XDG_RUNTIME_DIR` names no folder (a container, CI, cron, `sudo`)
+/// libwayland complains of that on standard error. Who chooses a device by the layer's own variables keeps the layer.
 fn silence_device_select() {
     let has_runtime_folder = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
     let is_in_use =

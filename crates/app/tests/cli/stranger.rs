@@ -83,7 +83,7 @@ fn a_pipe_gets_no_colour_and_no_progress_bar_unless_it_is_asked_for() {
     place.umbrae(&["--color", "always", "bogus"]).code(2).stderr(colour());
 }
 
-/// Bug: Mesa's device-select layer let libwayland print "error: XDG_RUNTIME_DIR is invalid or not set in the environment."
+/// Bug: Mesa's device-select layer let libwayland print that `XDG_RUNTIME_DIR` is invalid or not set, as an error.
 #[test]
 fn nothing_is_said_about_the_runtime_folder_of_a_desktop_that_is_not_there() {
     let place = Place::new();
