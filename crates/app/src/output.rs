@@ -58,7 +58,7 @@ impl Output {
     pub fn create_png(path: &Path) -> anyhow::Result<Self> {
         let output = Self::create(path)?;
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        let is_good = is_png || matches!(output.kind, Kind::Stream);
+        let is_good = is_png || output.is_stream();
         ensure!(is_good, "can't write `{}`: pictures are PNG files; give a name that ends in .png", path.display());
         Ok(output)
     }
@@ -91,12 +91,17 @@ impl Output {
 
     /// Whether this is the file at `path`, by whatever name. Never for a device or a pipe.
     pub fn is_file_at(&self, path: &Path) -> bool {
-        matches!(self.kind, Kind::File(_)) && fs::canonicalize(path).is_ok_and(|path| path == self.target)
+        !self.is_stream() && fs::canonicalize(path).is_ok_and(|path| path == self.target)
     }
 
     /// Whether both would write the same file. Never for a device or a pipe.
     pub fn is_same_file_as(&self, other: &Self) -> bool {
-        matches!(self.kind, Kind::File(_)) && self.target == other.target
+        !self.is_stream() && self.target == other.target
+    }
+
+    /// Whether it is a device or a pipe.
+    pub fn is_stream(&self) -> bool {
+        matches!(self.kind, Kind::Stream)
     }
 
     /// As given.

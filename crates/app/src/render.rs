@@ -70,7 +70,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
     let (verified, wrong) = args.verify.then(|| verify(&stage, talk)).transpose()?.unzip();
-    let wrong = wrong.flatten();
+    let wrong = wrong.flatten().filter(|_| outputs.errors.is_some());
     times.verify = if args.verify { ms_since(start) } else { 0.0 };
 
     let origin = scene.origin;
@@ -129,10 +129,13 @@ enum Json {
 
 impl Outputs {
     fn create(args: &RenderArgs) -> anyhow::Result<Self> {
+        let picture = Output::create_png(&args.output)?;
+        // Beside a device or a pipe is no place for a file.
+        let shows_errors = args.verify && !picture.is_stream();
         let outputs = Self {
-            picture: Output::create_png(&args.output)?,
+            picture,
             mask: args.mask.as_deref().map(Output::create_png).transpose()?,
-            errors: args.verify.then(|| Output::create(&errors_path(&args.output))).transpose()?,
+            errors: shows_errors.then(|| Output::create(&errors_path(&args.output))).transpose()?,
             json: match args.json.as_deref() {
                 None => Json::None,
                 Some(path) if path == Path::new("-") => Json::StandardOutput,

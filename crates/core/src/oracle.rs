@@ -5,7 +5,7 @@
 //!
 //! Two things no picture can settle, and leave a pixel undecided as well. Where the centre is on an edge as far as a rasteriser can tell, a
 //! hair of a hidden surface may show, or the volume that hangs on the edge come out in front of it: five rays may see one lit
-//! surface on each side, and the drawn pixel is dark. And where only a triangle is in the way whose plane holds the light as far as `f32`
+//! surface on each side, and the drawn pixel is dark; the same holds for a hair of shadow that begins there. And where only a triangle is in the way whose plane holds the light as far as `f32`
 //! can tell, it is not between them but beside them. Nothing here knows of silhouettes or volumes.
 
 use glam::DVec3;
@@ -99,9 +99,9 @@ impl Oracle {
         for x in 0..width {
             let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
             let hits = OFFSETS.map(|offset| self.seen(camera, x, y, offset));
-            let is_on_edge = self.is_on_edge(camera, x, y, hits[0].as_ref());
+            let nearby = self.seen_nearby(camera, x, y, hits[0].as_ref());
             for (row, &light) in row.iter_mut().zip(lights) {
-                let verdict = if is_on_edge { None } else { self.agreed(&hits, light) };
+                let verdict = nearby.and_then(|nearby| self.agreed(hits.iter().chain(&nearby), light));
                 row.push(Judgement { has_surface: hits[0].is_some(), verdict });
             }
         }
@@ -121,18 +121,18 @@ impl Oracle {
         })
     }
 
-    /// Whether rays [`RASTER_PX`] around the centre meet anything but the triangle (or the nothing) at the centre.
-    fn is_on_edge(&self, camera: &Camera, x: f64, y: f64, center: Option<&Seen>) -> bool {
+    /// What is seen [`RASTER_PX`] around the centre; `None` where that is not one triangle (or nothing) all round.
+    fn seen_nearby(&self, camera: &Camera, x: f64, y: f64, center: Option<&Seen>) -> Option<[Option<Seen>; 4]> {
         let around = [[-RASTER_PX, 0.0], [RASTER_PX, 0.0], [0.0, -RASTER_PX], [0.0, RASTER_PX]];
-        around.into_iter().any(|offset| {
-            let seen = self.seen(camera, x, y, offset);
-            seen.as_ref().map(Seen::triangle) != center.map(Seen::triangle)
-        })
+        let nearby = around.map(|offset| self.seen(camera, x, y, offset));
+        let is_center = |seen: &Option<Seen>| seen.as_ref().map(Seen::triangle) == center.map(Seen::triangle);
+        nearby.iter().all(is_center).then_some(nearby)
     }
 
-    fn agreed(&self, hits: &[Option<Seen>; 5], light: LightPosition) -> Option<Verdict> {
-        let first = self.verdict(hits[0].as_ref(), light)?;
-        hits[1..].iter().all(|hit| self.verdict(hit.as_ref(), light) == Some(first)).then_some(first)
+    fn agreed<'a>(&self, seen: impl Iterator<Item = &'a Option<Seen>>, light: LightPosition) -> Option<Verdict> {
+        let mut verdicts = seen.map(|seen| self.verdict(seen.as_ref(), light));
+        let first = verdicts.next()??;
+        verdicts.all(|verdict| verdict == Some(first)).then_some(first)
     }
 
     /// `None` where the surface is edge-on.

@@ -84,15 +84,17 @@ impl NamedCamera {
 #[non_exhaustive]
 pub enum SceneError {
     /// The offset between two origins can't be held.
-    #[error("the models are {distance_m:.0} m apart; models in one picture must be within {MAX_DISTANCE_M} m")]
+    #[error(
+        "the models are {distance_m:.0} m apart; models in one picture must be within {MAX_DISTANCE_M} m of each other"
+    )]
     TooFarApart {
         /// Distance between the two origins.
         distance_m: f64,
     },
 }
 
-/// Positions are `f32` about one origin: at 2,000 km they are an eighth of a metre apart.
-const MAX_DISTANCE_M: f64 = 2_000_000.0;
+/// Positions are `f32` about one origin: at 100 km they are 8 mm apart.
+const MAX_DISTANCE_M: f64 = 100_000.0;
 
 impl Scene {
     /// The smallest box that holds every object, scene space; empty without objects.

@@ -24,7 +24,7 @@ pub enum LoadError {
         path: PathBuf,
     },
     /// The operating system can't read the file.
-    #[error("can't read {}: {source}", path.display())]
+    #[error("can't read {}", path.display())]
     Read {
         /// As it was given.
         path: PathBuf,

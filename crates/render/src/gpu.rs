@@ -1,5 +1,8 @@
 //! Finding an adapter and making a device of it.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::Caps;
 
 /// Which adapter to use.
@@ -58,6 +61,14 @@ pub enum GpuError {
         /// The largest side.
         allowed: u32,
     },
+    /// The device has no memory left for the picture or the model.
+    #[error(
+        "{adapter} ran out of memory; draw a smaller picture (--size), fewer samples (--samples 1) or a smaller model"
+    )]
+    OutOfMemory {
+        /// The adapter's label.
+        adapter: String,
+    },
     /// The device was lost, or a result could not be read back.
     #[error("the device failed while drawing: {reason}")]
     Lost {
@@ -77,6 +88,8 @@ pub struct Gpu {
     pub label: String,
     /// See [`Caps`].
     pub caps: Caps,
+    /// Set once the device has reported so.
+    is_out_of_memory: Arc<AtomicBool>,
 }
 
 impl Gpu {
@@ -118,7 +131,28 @@ impl Gpu {
     /// Ask for [`Gpu::wanted_features`] when making it: without them passes are not timed, and depth has 24 bits.
     pub fn of_device(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let caps = Caps::of(adapter, &device);
-        Self { device, queue, label: label(adapter), caps }
+        Self { device, queue, label: label(adapter), caps, is_out_of_memory: Arc::default() }
+    }
+
+    /// Running out of memory is the user's to mend; any other report is a bug of ours, unless it follows from that.
+    fn expect_only_memory_to_fail(&self) {
+        let is_out_of_memory = Arc::clone(&self.is_out_of_memory);
+        self.device.on_uncaptured_error(Arc::new(move |error| {
+            if matches!(error, wgpu::Error::OutOfMemory { .. }) {
+                is_out_of_memory.store(true, Ordering::Relaxed);
+            }
+            assert!(is_out_of_memory.load(Ordering::Relaxed), "wgpu refused what we asked for: {error}");
+        }));
+    }
+
+    /// `result`, unless the device has run out of memory, which would be why there is none.
+    ///
+    /// Only a device of [`Gpu::new`] is watched; that of [`Gpu::of_device`] reports to its owner.
+    pub(crate) fn unless_out_of_memory<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
+        if self.is_out_of_memory.load(Ordering::Relaxed) {
+            return Err(GpuError::OutOfMemory { adapter: self.label.clone() });
+        }
+        result
     }
 
     /// The features of `adapter` that this crate makes use of; it needs none.
@@ -137,7 +171,9 @@ impl Gpu {
             })
             .await
             .map_err(|e| GpuError::Device { adapter: label(adapter), reason: e.to_string() })?;
-        Ok(Self::of_device(adapter, device, queue))
+        let gpu = Self::of_device(adapter, device, queue);
+        gpu.expect_only_memory_to_fail();
+        Ok(gpu)
     }
 }
 

@@ -52,7 +52,7 @@ impl GpuScene {
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] when a buffer would be larger than the device allows.
+    /// [`GpuError::TooLarge`] when a buffer would be larger than the device allows, [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, casters: &[Caster], materials: &[Material]) -> Result<Self, GpuError> {
         let triangles: usize = casters.iter().map(|c| c.mesh.triangles().len()).sum();
         let positions: usize = casters.iter().map(|c| c.positions.len()).sum();
@@ -80,11 +80,11 @@ impl GpuScene {
                 usage: wgpu::BufferUsages::VERTEX,
             })
         };
-        Ok(Self {
+        gpu.unless_out_of_memory(Ok(Self {
             surface_vertices: surface.len() as u32,
             surface: buffer("surface vertices", bytemuck::cast_slice(&surface)),
             volume_vertices: buffer("volume vertices", bytemuck::cast_slice(&volume)),
-        })
+        }))
     }
 }
 

@@ -137,7 +137,7 @@ impl Renderer {
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
 
-        let rgba = copy.read(&self.gpu).await?;
+        let rgba = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
         let passes = timer.read(&self.gpu, times).await?;
         Ok(Picture { rgba, lights: reports, passes })
     }
@@ -209,7 +209,8 @@ impl Renderer {
         frame::record(&self.mask, frame, &mut encoder, &mut timer);
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
         self.gpu.queue.submit([encoder.finish()]);
-        Ok(Mask { verdicts: copy.read(&self.gpu).await?, light: report })
+        let verdicts = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
+        Ok(Mask { verdicts, light: report })
     }
 
     fn prepare_light(

@@ -89,7 +89,7 @@ fn an_unknown_adapter_lists_those_that_doctor_shows() {
 fn models_too_far_from_each_other_for_one_origin_are_refused() {
     let place = Place::new();
     let (here, there) = (place.file("here.obj", BOX), place.file("there.obj", box_at([2.5e7, 0.0, 0.0])));
-    let words = ["can't join", "there.obj", "25000000 m apart", "within 2000000 m"];
+    let words = ["can't join", "there.obj", "25000000 m apart", "within 100000 m"];
     place.refuses(&["render", &here, &there, "-o", &place.out("x.png")], &words);
 }
 

@@ -48,9 +48,10 @@ fn what_can_not_be_written_is_said_before_any_work() {
     assert_eq!(fs::read(&protected).expect("it is there"), b"old");
 }
 
+/// Bug: the reason why a model can't be read was said twice.
 #[cfg(unix)]
 #[test]
-fn a_folder_that_can_not_be_written_is_named() {
+fn a_folder_that_can_not_be_written_and_a_model_that_can_not_be_read_are_named() {
     use std::os::unix::fs::PermissionsExt as _;
 
     let place = Place::new();
@@ -61,6 +62,10 @@ fn a_folder_that_can_not_be_written_is_named() {
         return;
     }
     place.refuses(&["render", "nosuch.obj", "-o", "out/x.png"], &["the folder `out` is write-protected"]);
+    let model = place.file("box.obj", BOX);
+    fs::set_permissions(&model, fs::Permissions::from_mode(0o000)).expect("it is ours");
+    let said = "error: can't read box.obj\n  caused by: Permission denied (os error 13)\n";
+    place.umbrae(&["inspect", "box.obj"]).code(2).stdout("").stderr(said);
 }
 
 /// Bug: the mask replaced the picture, the report replaced either, and any of them the model.
@@ -119,6 +124,10 @@ fn a_pipe_is_written_to_and_not_replaced() {
     let reader = Command::new("cat").arg(&pipe).stdout(Stdio::piped()).spawn().expect("there is cat");
     place.umbrae(&["render", &model, "-o", "out/x.png", "--size", "40x30", "--json", &pipe]).success();
     let read = reader.wait_with_output().expect("it ends").stdout;
+    // Nor is there a picture of errors beside it.
+    let reader_of_pictures = Command::new("cat").arg(&pipe).stdout(Stdio::piped()).spawn().expect("there is cat");
+    place.umbrae(&["render", &model, "-o", &pipe, "--size", "40x30", "--verify"]).success();
+    assert!(reader_of_pictures.wait_with_output().expect("it ends").stdout.starts_with(b"\x89PNG"));
     let report: serde_json::Value = serde_json::from_slice(&read).expect("the report");
     assert_eq!(report["camera"]["size"], serde_json::json!([40, 30]));
     assert!(fs::metadata(&pipe).expect("it is there").file_type().is_fifo());
