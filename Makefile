@@ -4,6 +4,9 @@
 .NOTPARALLEL: # cargo keeps the cores busy by itself, and checks should end in the order in which they are named
 .PHONY: help demo test bless verify-all bench docs clean setup format promises lints licences
 
+# Mesa's device chooser asks for a desktop, and complains on standard error where there is none. The program sets this itself.
+export NODEVICE_SELECT := 1
+
 UMBRAE := cargo run --quiet --release --package umbrae --
 SCENES := town high-rise
 SUNS := morning:105,28 noon:180,52 evening:262,18 # name:azimuth,altitude in degrees

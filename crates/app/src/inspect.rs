@@ -100,7 +100,8 @@ impl Inspection {
     pub fn new(file: String, model: &Model) -> Self {
         let scene = &model.scene;
         let origin = scene.origin;
-        let counted: Vec<ObjectJson> = Caster::of_scene(scene)
+        let casters = Caster::of_scene(scene);
+        let counted = casters
             .iter()
             .map(|caster| ObjectJson {
                 name: caster.name.clone(),
@@ -113,9 +114,9 @@ impl Inspection {
                 ),
             })
             .collect();
-        let total = match model.format {
-            Format::Gltf => total_of_meshes(scene),
-            Format::Obj | Format::Ply | Format::Stl => total_of_surface(scene),
+        let total = match (model.format, casters.len()) {
+            (Format::Gltf, _) | (_, 1) => total_of_meshes(scene, &casters),
+            (Format::Obj | Format::Ply | Format::Stl, _) => total_of_surface(scene),
         };
         Self {
             file,
@@ -211,14 +212,13 @@ impl Counts {
 }
 
 /// Each mesh once.
-fn total_of_meshes(scene: &Scene) -> Counts {
+fn total_of_meshes(scene: &Scene, casters: &[Caster]) -> Counts {
     let mut seen = BTreeSet::new();
-    let meshes = scene.objects.iter().map(|object| &object.mesh).filter(|mesh| seen.insert(Arc::as_ptr(mesh)));
     let (mut counts, mut welded, mut topology) = (MeshCounts::default(), 0, TopologyCounts::default());
-    for mesh in meshes {
-        counts = plus(counts, mesh.counts());
-        welded += mesh.positions().len();
-        topology = topology.plus(Topology::new(mesh).counts());
+    for caster in casters.iter().filter(|caster| seen.insert(Arc::as_ptr(&caster.mesh))) {
+        counts = plus(counts, caster.mesh.counts());
+        welded += caster.mesh.positions().len();
+        topology = topology.plus(caster.topology.counts());
     }
     Counts::new(counts, welded, topology, scene.bounds(), scene.origin)
 }

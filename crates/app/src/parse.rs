@@ -11,7 +11,7 @@ const MAX_COORDINATE: f64 = 1e18;
 ///
 /// # Errors
 ///
-/// A sentence when it is not two whole numbers from 1 to [`MAX_SIDE_PX`].
+/// A sentence when it is not two whole numbers from 1 to `MAX_SIDE_PX`.
 pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("`{text}` is not a size; write pixels across and down, such as 1280x720");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;

@@ -67,8 +67,9 @@ impl GpuScene {
         let mut surface = Vec::with_capacity(triangles * 3);
         let mut volume = Vec::with_capacity(AXES.len() + positions * 2);
         volume.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
+        let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
         for caster in casters {
-            push_surface(caster, materials, &mut surface);
+            push_surface(caster, materials, &plain, &mut surface);
             for extruded in [0.0, 1.0] {
                 volume.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
             }
@@ -88,20 +89,23 @@ impl GpuScene {
     }
 }
 
-fn push_surface(caster: &Caster, materials: &[Material], vertices: &mut Vec<SurfaceVertex>) {
+/// `plain` has each material's colour as a vertex without one of its own has it.
+fn push_surface(caster: &Caster, materials: &[Material], plain: &[[u8; 4]], vertices: &mut Vec<SurfaceVertex>) {
     let mesh = &caster.mesh;
-    for t in 0..mesh.triangles().len() {
+    for (t, &material) in mesh.triangle_materials().iter().enumerate() {
+        let material = material as usize;
         let corners = caster.corners(t);
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
-        let base = materials.get(mesh.triangle_materials()[t] as usize).map_or(Vec3::ONE, |m| m.base_color);
-        let colors = mesh.corner_colors().get(t).copied().unwrap_or([Vec3::ONE; 3]);
-        for (position, color) in corners.into_iter().zip(colors) {
-            vertices.push(SurfaceVertex {
-                position_world: position.to_array(),
-                normal_world,
-                color_srgb: srgb_from_linear(base * color),
-            });
+        let colors = match mesh.corner_colors().get(t) {
+            None => [plain.get(material).copied().unwrap_or([255; 4]); 3],
+            Some(colors) => {
+                let base = materials.get(material).map_or(Vec3::ONE, |m| m.base_color);
+                colors.map(|color| srgb_from_linear(base * color))
+            }
+        };
+        for (position, color_srgb) in corners.into_iter().zip(colors) {
+            vertices.push(SurfaceVertex { position_world: position.to_array(), normal_world, color_srgb });
         }
     }
 }
