@@ -110,9 +110,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,
 
-    /// Picture to write (PNG)
+    /// Picture to write (PNG; default: the first model's name with .png, in the current folder)
     #[arg(long, short, value_name = "FILE", help_heading = "Files to write")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
 
     /// Also write the first light's verdicts: 8-bit grey PNG, 255 lit, 0 in shadow or facing away, 128 no surface
     #[arg(long, value_name = "FILE", help_heading = "Files to write")]
@@ -225,6 +225,16 @@ pub struct SampleArgs {
     /// File to write (GLB)
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+}
+
+impl RenderArgs {
+    /// Where the picture goes.
+    pub fn picture_path(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            let model = self.models.first().and_then(|model| model.file_name()).unwrap_or_default();
+            PathBuf::from(model).with_extension("png")
+        })
+    }
 }
 
 impl From<Up> for umbrae_formats::UpAxis {

@@ -93,7 +93,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     outputs.finish(&picture, mask.as_ref(), wrong.as_deref(), &report, size)?;
 
     if wrong.is_some() {
-        talk.warning(&format!("wrong pixels are ringed in red in `{}`", errors_path(&args.output).display()));
+        talk.warning(&format!("wrong pixels are ringed in red in `{}`", errors_path(&args.picture_path()).display()));
     }
     talk.note(&summary(&stage, args));
     Ok(report.verify.is_none_or(|v| v.errors == 0))
@@ -129,13 +129,13 @@ enum Json {
 
 impl Outputs {
     fn create(args: &RenderArgs) -> anyhow::Result<Self> {
-        let picture = Output::create_png(&args.output)?;
+        let picture = Output::create_png(&args.picture_path())?;
         // Beside a device or a pipe is no place for a file.
         let shows_errors = args.verify && !picture.is_stream();
         let outputs = Self {
             picture,
             mask: args.mask.as_deref().map(Output::create_png).transpose()?,
-            errors: shows_errors.then(|| Output::create(&errors_path(&args.output))).transpose()?,
+            errors: shows_errors.then(|| Output::create(&errors_path(&args.picture_path()))).transpose()?,
             json: match args.json.as_deref() {
                 None => Json::None,
                 Some(path) if path == Path::new("-") => Json::StandardOutput,
@@ -265,7 +265,7 @@ fn summary(stage: &Stage, args: &RenderArgs) -> String {
     let triangles: usize = stage.casters.iter().map(|c| c.mesh.triangles().len()).sum();
     format!(
         "`{}`: {} in {}, {} on {}",
-        args.output.display(),
+        args.picture_path().display(),
         counted(triangles, "triangle"),
         counted(stage.casters.len(), "object"),
         counted(stage.lights.len(), "light"),

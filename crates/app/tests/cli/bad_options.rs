@@ -50,7 +50,6 @@ fn options_that_make_no_picture_are_refused() {
     for (options, words) in cases {
         place.refuses(&[&["render", &model, "-o", &picture], *options].concat(), words);
     }
-    place.refuses(&["render", &model], &["--output <FILE>"]);
     place.refuses(&["render", "-o", &picture], &["<MODEL>"]);
     place.refuses(&["draw", &model], &["unrecognized subcommand 'draw'"]);
     place.refuses(&["sample", "village", "-o", &place.out("x.glb")], &["lattice-tower", "town"]);

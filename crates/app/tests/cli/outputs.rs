@@ -180,3 +180,12 @@ fn an_old_picture_is_replaced() {
     assert_eq!(image::image_dimensions(place.out("x.png")).expect("a picture"), (30, 40));
     assert_eq!(place.written(), ["x.json", "x.png"]);
 }
+
+#[test]
+fn without_a_name_the_picture_has_the_models_and_is_in_the_current_folder() {
+    let place = Place::new();
+    let model = place.file("a house.obj", BOX);
+    place.umbrae(&["render", &model, "--size", "32x24"]).success().stderr(contains("`a house.png`"));
+    assert!(fs::read(place.path("a house.png")).expect("it was written").starts_with(b"\x89PNG"));
+    place.refuses(&["render", "nosuch/tower.glb"], &["nosuch/tower.glb"]);
+}
