@@ -52,6 +52,11 @@ impl Caster {
             .collect()
     }
 
+    /// The smallest box that holds all `casters`; empty without any.
+    pub fn bounds_of(casters: &[Self]) -> Bounds {
+        casters.iter().fold(Bounds::EMPTY, |all, caster| all.union(caster.bounds))
+    }
+
     /// Corner positions of triangle `t`.
     pub fn corners(&self, t: usize) -> [Vec3; 3] {
         self.mesh.triangles()[t].map(|i| self.positions[i as usize])

@@ -29,7 +29,7 @@ pub enum Verdict {
 pub struct Judgement {
     /// Whether the ray through the centre meets a surface.
     pub has_surface: bool,
-    /// The verdict on which all five rays agree; `None` leaves the pixel undecided.
+    /// The verdict on which all rays of the pixel agree; `None` leaves it undecided.
     pub verdict: Option<Verdict>,
 }
 
@@ -67,7 +67,7 @@ impl Oracle {
     /// Builds the ray caster over `casters`.
     pub fn new(casters: &[Caster]) -> Self {
         let rays = RayCaster::new(casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
-        let bounds = casters.iter().fold(crate::Bounds::EMPTY, |all, c| all.union(c.bounds));
+        let bounds = Caster::bounds_of(casters);
         let scale = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
         Self { rays, scale, lift: LIFT * scale }
     }
@@ -80,7 +80,7 @@ impl Oracle {
     /// For each light the judgement of each pixel, row by row from the top; `row_done` is called after each row.
     ///
     /// Lights are taken as given: round them first ([`LightPosition::rounded_to_f32`]) where drawing did. All cores
-    /// work; five rays a pixel and up to five more for each light.
+    /// work; nine rays a pixel and up to nine more for each light.
     pub fn judge(&self, camera: &Camera, lights: &[LightPosition], row_done: impl Fn() + Sync) -> Vec<Vec<Judgement>> {
         let [width, height] = camera.size_px();
         let rows: Vec<Vec<Vec<Judgement>>> = (0..height)

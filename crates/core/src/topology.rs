@@ -132,15 +132,6 @@ impl Topology {
         &self.component_of_triangle
     }
 
-    /// Bytes held on the heap.
-    pub fn heap_bytes(&self) -> usize {
-        size_of_val(self.edges.as_slice())
-            + size_of_val(self.first.as_slice())
-            + size_of_val(self.incidences.as_slice())
-            + size_of_val(self.components.as_slice())
-            + size_of_val(self.component_of_triangle.as_slice())
-    }
-
     /// Counts edges and components by kind. Linear in the number of edges.
     pub fn counts(&self) -> TopologyCounts {
         let mut counts = TopologyCounts { edges: self.edges.len(), ..TopologyCounts::default() };

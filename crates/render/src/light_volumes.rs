@@ -127,8 +127,7 @@ impl LightVolumes {
 
     /// Cases for `camera` and `light`, over `casters`.
     pub fn chooser(camera: &Camera, light: LightPosition, casters: &[Caster]) -> CaseChooser {
-        let scene = casters.iter().fold(umbrae_core::Bounds::EMPTY, |bounds, c| bounds.union(c.bounds));
-        CaseChooser::new(camera, light, &scene)
+        CaseChooser::new(camera, light, &Caster::bounds_of(casters))
     }
 }
 
