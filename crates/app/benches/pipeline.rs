@@ -156,7 +156,7 @@ fn weld_ms(scene: &Scene) -> f64 {
                 positions: mesh.positions().to_vec(),
                 triangles: mesh.triangles().to_vec(),
                 triangle_materials: mesh.triangle_materials().to_vec(),
-                vertex_colors: Vec::new(),
+                ..Surface::default()
             })
             .collect();
         once_ms(|| surfaces.into_iter().map(Mesh::new).collect::<Vec<_>>()).0

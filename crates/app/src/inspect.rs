@@ -233,7 +233,7 @@ fn total_of_surface(scene: &Scene) -> Counts {
         whole.triangles.extend(object.mesh.triangles().iter().map(|t| t.map(|i| i + first)));
     }
     let whole = Mesh::new(whole).expect("the parts were good meshes");
-    let object = Object { name: String::new(), mesh: Arc::new(whole), world_from_object: glam::DAffine3::IDENTITY };
+    let object = Object::new("", Arc::new(whole), glam::DAffine3::IDENTITY);
     let topology = Topology::new(&object.mesh).counts();
     Counts::new(counts, object.mesh.positions().len(), topology, object.bounds(), scene.origin)
 }

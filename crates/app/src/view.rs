@@ -110,14 +110,11 @@ pub fn add_ground(scene: &mut Scene, ground: &Ground) {
         positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         triangle_materials: vec![scene.materials.len() as u32; 2],
-        vertex_colors: Vec::new(),
+        ..Surface::default()
     };
-    scene.materials.push(Material { name: "ground".to_owned(), base_color: Vec3::new(0.60, 0.585, 0.56) });
-    scene.objects.push(Object {
-        name: "ground".to_owned(),
-        mesh: Arc::new(Mesh::new(surface).expect("a drawable model has a finite ground")),
-        world_from_object: DAffine3::IDENTITY,
-    });
+    scene.materials.push(Material::new("ground", Vec3::new(0.60, 0.585, 0.56)));
+    let mesh = Mesh::new(surface).expect("a drawable model has a finite ground");
+    scene.objects.push(Object::new("ground", Arc::new(mesh), DAffine3::IDENTITY));
 }
 
 /// The lights: the user's, else the model's, else an afternoon sun.
@@ -129,11 +126,8 @@ pub fn lights(choice: &ViewChoice, scene: &Scene, model: &Bounds) -> Vec<Light> 
     for (i, point) in choice.points.iter().enumerate() {
         let position = *point - scene.origin;
         let distance = position.distance(model.center()).max(radius_of(model));
-        lights.push(Light {
-            name: format!("point {}", i + 1),
-            position: LightPosition::point(position),
-            strength: LAMP_STRENGTH * (distance * distance) as f32,
-        });
+        let strength = LAMP_STRENGTH * (distance * distance) as f32;
+        lights.push(Light::new(format!("point {}", i + 1), LightPosition::point(position), strength));
     }
     if lights.is_empty() {
         lights.clone_from(&scene.lights);
@@ -149,11 +143,8 @@ pub fn lights(choice: &ViewChoice, scene: &Scene, model: &Bounds) -> Vec<Light> 
 }
 
 fn sun_light([azimuth_deg, altitude_deg]: [f64; 2]) -> Light {
-    Light {
-        name: "sun".to_owned(),
-        position: LightPosition::sun(azimuth_deg.to_radians(), altitude_deg.to_radians()),
-        strength: SUN_STRENGTH,
-    }
+    let position = LightPosition::sun(azimuth_deg.to_radians(), altitude_deg.to_radians());
+    Light::new("sun", position, SUN_STRENGTH)
 }
 
 /// The camera: the model's if named, else what the user said, else one that frames the model. `ground` is the one that will be drawn.

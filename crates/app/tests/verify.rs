@@ -176,11 +176,7 @@ fn draw_errors(line: &Line, mask: &[u8], judgements: &[Judgement], errors: &[usi
 fn four_lights(bounds: &Bounds, caster: &Caster, sun: LightPosition) -> [Light; 4] {
     let at = |x: f64, y: f64, z: f64| bounds.center() + 0.5 * bounds.size() * DVec3::new(x, y, z);
     let [a, b, c] = caster.corners(caster.mesh.triangles().len() / 2).map(Vec3::as_dvec3);
-    let light = |name: &str, position: LightPosition| Light {
-        name: name.to_owned(),
-        position: position.rounded_to_f32(),
-        strength: Vec3::ONE,
-    };
+    let light = |name: &str, position: LightPosition| Light::new(name, position.rounded_to_f32(), Vec3::ONE);
     let outwards = DVec3::new(1.3, -0.7, 1.9) * bounds.radius().max(1e-3);
     [
         light("sun", sun),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
-use crate::{Bounds, Mesh, Object, Scene, Topology};
+use crate::{Bounds, Mesh, Object, Role, Scene, Topology};
 
 /// One object of a scene with its positions in scene space, rounded once to the `f32` that everything uses:
 /// silhouettes, volumes, the GPU and the ray caster see the same bits.
@@ -21,20 +21,17 @@ pub struct Caster {
     pub positions: Vec<Vec3>,
     /// Holds `positions`.
     pub bounds: Bounds,
+    /// What it does in a picture.
+    pub role: Role,
 }
 
 impl Caster {
     /// The caster of `object`, whose mesh has `topology`.
     pub fn new(object: &Object, topology: Arc<Topology>) -> Self {
-        let positions: Vec<Vec3> = object
-            .mesh
-            .positions()
-            .iter()
-            // Adding +0 turns -0 into +0, as welding did.
-            .map(|p| object.world_from_object.transform_point3(p.as_dvec3()).as_vec3() + Vec3::ZERO)
-            .collect();
+        // Adding +0 turns -0 into +0, as welding did.
+        let positions: Vec<Vec3> = object.positions().map(|p| p.as_vec3() + Vec3::ZERO).collect();
         let bounds = Bounds::of_points(positions.iter().map(|p| p.as_dvec3()));
-        Self { name: object.name.clone(), mesh: object.mesh.clone(), topology, positions, bounds }
+        Self { name: object.name.clone(), mesh: object.mesh.clone(), topology, positions, bounds, role: object.role }
     }
 
     /// The casters of every object of `scene`, in order; the topology of a shared mesh is found once.

@@ -4,6 +4,9 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
+/// Below this, light can't be seen: half a step of an 8-bit display.
+const INVISIBLE: f64 = 1.0 / 512.0;
+
 /// Where a light is: `(x, y, z, 1)` for a point, `(x, y, z, 0)` for the direction *towards* a light at infinity.
 ///
 /// Scene space (metres about the scene origin). Never `(0, 0, 0, 0)`.
@@ -65,4 +68,36 @@ pub struct Light {
     pub position: LightPosition,
     /// Linear colour times strength: irradiance for a directional light, intensity (irradiance at 1 m) for a point.
     pub strength: Vec3,
+    /// Where a spot light shines; `None` shines all around. Without meaning for a directional light.
+    pub cone: Option<Cone>,
+    /// The distance, in metres, at which the light has faded to nothing; infinite for `None`, and for any directional light.
+    ///
+    /// The fading is glTF's: inverse square times `1 - (distance / range)^4`.
+    pub range_m: Option<f64>,
+}
+
+/// The cone of a spot light: full strength within the inner angle, nothing beyond the outer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// The unit direction in which the light shines.
+    pub axis: DVec3,
+    /// From the axis; 0 <= inner < outer.
+    pub inner_rad: f64,
+    /// From the axis; at most pi / 2.
+    pub outer_rad: f64,
+}
+
+impl Light {
+    /// A light that shines all around and without end.
+    pub fn new(name: impl Into<String>, position: LightPosition, strength: Vec3) -> Self {
+        Self { name: name.into(), position, strength, cone: None, range_m: None }
+    }
+
+    /// The distance at which a light without a range falls below what a display can show, when `exposure` takes strength to display units.
+    ///
+    /// With this as its range, the window changes what is seen by less than that too, because the window takes away
+    /// `strength / distance^2 * (distance / range)^4`, which is at most `strength / range^2`.
+    pub fn visible_range_m(&self, exposure: f32) -> f64 {
+        (f64::from(self.strength.max_element() * exposure) / INVISIBLE).sqrt()
+    }
 }

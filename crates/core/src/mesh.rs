@@ -1,6 +1,6 @@
 //! A triangle mesh that was checked once and is trusted from then on.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
 
 use crate::Bounds;
@@ -16,6 +16,11 @@ pub struct Surface {
     pub triangle_materials: Vec<u32>,
     /// Linear colours that multiply the material's, one for each position; empty means white.
     pub vertex_colors: Vec<Vec3>,
+    /// Where the corners of each triangle are on its material's texture, (0, 0) the top left; empty means (0, 0) for all.
+    pub corner_uvs: Vec<[Vec2; 3]>,
+    /// One for each position; vertices with different keys are not welded though their positions are equal, because something
+    /// will move them apart. Empty means equal keys for all.
+    pub weld_keys: Vec<u32>,
 }
 
 /// Why a [`Surface`] is not a [`Mesh`].
@@ -111,6 +116,8 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     triangle_materials: Vec<u32>,
     corner_colors: Vec<[Vec3; 3]>,
+    corner_uvs: Vec<[Vec2; 3]>,
+    source_vertices: Vec<u32>,
     counts: MeshCounts,
 }
 
@@ -124,7 +131,7 @@ impl Mesh {
     ///
     /// See [`MeshError`]; unused vertices are dropped unlooked at, so theirs may be anything.
     pub fn new(surface: Surface) -> Result<Self, MeshError> {
-        let Surface { positions, triangles, triangle_materials, vertex_colors } = surface;
+        let Surface { positions, triangles, triangle_materials, vertex_colors, corner_uvs, weld_keys } = surface;
         for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
             // A triangle index and a direction share 32 bits in `Topology`.
             if count >= (u32::MAX / 8) as usize {
@@ -134,10 +141,14 @@ impl Mesh {
         check_length("materials of triangles", triangle_materials.len(), triangles.len())?;
         check_length("colours of vertices", vertex_colors.len(), positions.len())?;
 
-        let mut weld = Weld::new(&positions);
+        check_length("texture coordinates of triangles", corner_uvs.len(), triangles.len())?;
+        check_length("weld keys of vertices", weld_keys.len(), positions.len())?;
+
+        let mut weld = Weld::new(&positions, &weld_keys);
         let mut kept = Vec::with_capacity(triangles.len());
         let mut kept_materials = Vec::with_capacity(triangles.len());
         let mut corner_colors = Vec::new();
+        let mut kept_uvs = Vec::new();
         for (t, corners) in triangles.iter().enumerate() {
             let mut welded = [0; 3];
             for (to, &index) in welded.iter_mut().zip(corners) {
@@ -152,6 +163,7 @@ impl Mesh {
             if !vertex_colors.is_empty() {
                 corner_colors.push(corners.map(|index| vertex_colors[index as usize]));
             }
+            kept_uvs.extend(corner_uvs.get(t));
         }
         let counts = MeshCounts {
             triangles_read: triangles.len(),
@@ -164,11 +176,14 @@ impl Mesh {
                 degenerate: counts.degenerate_triangles,
             });
         }
+        let (positions, source_vertices) = weld.finish(&mut kept);
         Ok(Self {
-            positions: weld.finish(&mut kept),
+            positions,
             triangles: kept,
             triangle_materials: kept_materials,
             corner_colors,
+            corner_uvs: kept_uvs,
+            source_vertices,
             counts,
         })
     }
@@ -191,6 +206,44 @@ impl Mesh {
     /// For each triangle, the linear colours of its corners; empty when the surface had none.
     pub fn corner_colors(&self) -> &[[Vec3; 3]] {
         &self.corner_colors
+    }
+
+    /// For each triangle, where its corners are on its texture; empty when the surface did not say.
+    pub fn corner_uvs(&self) -> &[[Vec2; 3]] {
+        &self.corner_uvs
+    }
+
+    /// For each of [`Mesh::positions`] the index of the first of the surface's positions that became it.
+    pub fn source_vertices(&self) -> &[u32] {
+        &self.source_vertices
+    }
+
+    /// The mesh of those triangles that `is_in` says, which must be at least one, and for each of its positions the index in this mesh.
+    pub(crate) fn part(&self, is_in: impl Fn(usize) -> bool) -> (Self, Vec<u32>) {
+        let kept: Vec<usize> = (0..self.triangles.len()).filter(|&t| is_in(t)).collect();
+        let mut part_from_whole = vec![UNSEEN; self.positions.len()];
+        let mut vertices = Vec::new();
+        let triangles = kept.iter().map(|&t| {
+            self.triangles[t].map(|whole| {
+                let to = &mut part_from_whole[whole as usize];
+                if *to == UNSEEN {
+                    *to = vertices.len() as u32;
+                    vertices.push(whole);
+                }
+                *to
+            })
+        });
+        let triangles: Vec<[u32; 3]> = triangles.collect();
+        let part = Self {
+            positions: vertices.iter().map(|&v| self.positions[v as usize]).collect(),
+            triangle_materials: kept.iter().map(|&t| self.triangle_materials[t]).collect(),
+            corner_colors: kept.iter().filter_map(|&t| self.corner_colors.get(t).copied()).collect(),
+            corner_uvs: kept.iter().filter_map(|&t| self.corner_uvs.get(t).copied()).collect(),
+            source_vertices: vertices.iter().map(|&v| self.source_vertices[v as usize]).collect(),
+            counts: MeshCounts { triangles_read: kept.len(), vertices_read: vertices.len(), degenerate_triangles: 0 },
+            triangles,
+        };
+        (part, vertices)
     }
 
     /// The same mesh with every material index raised by `first`, for a scene whose list already has that many.
@@ -223,19 +276,24 @@ const UNSEEN: u32 = u32::MAX;
 /// Gives bit-equal positions one index, in the order in which they are asked for.
 struct Weld<'a> {
     positions: &'a [Vec3],
+    keys: &'a [u32],
     /// For each source vertex its welded index, or [`UNSEEN`].
     welded_from_source: Vec<u32>,
-    welded_from_bits: FxHashMap<[u32; 3], u32>,
+    welded_from_bits: FxHashMap<[u32; 4], u32>,
     welded: Vec<Vec3>,
+    /// For each welded vertex the source vertex that was first.
+    sources: Vec<u32>,
 }
 
 impl<'a> Weld<'a> {
-    fn new(positions: &'a [Vec3]) -> Self {
+    fn new(positions: &'a [Vec3], keys: &'a [u32]) -> Self {
         Self {
             positions,
+            keys,
             welded_from_source: vec![UNSEEN; positions.len()],
             welded_from_bits: FxHashMap::with_capacity_and_hasher(positions.len(), rustc_hash::FxBuildHasher),
             welded: Vec::with_capacity(positions.len()),
+            sources: Vec::with_capacity(positions.len()),
         }
     }
 
@@ -254,27 +312,32 @@ impl<'a> Weld<'a> {
                 return Err(MeshError::BadPosition { vertex: index, position });
             }
             let next = self.welded.len() as u32;
-            *seen = *self.welded_from_bits.entry(position.to_array().map(f32::to_bits)).or_insert(next);
+            let [x, y, z] = position.to_array().map(f32::to_bits);
+            let key = self.keys.get(index as usize).copied().unwrap_or(0);
+            *seen = *self.welded_from_bits.entry([x, y, z, key]).or_insert(next);
             if *seen == next {
                 self.welded.push(position);
+                self.sources.push(index);
             }
         }
         Ok(*seen)
     }
 
-    /// Drops the vertices that only degenerate triangles used, and renumbers `triangles`.
-    fn finish(self, triangles: &mut [[u32; 3]]) -> Vec<Vec3> {
+    /// Drops the vertices that only degenerate triangles used, and renumbers `triangles`; positions and source vertices.
+    fn finish(self, triangles: &mut [[u32; 3]]) -> (Vec<Vec3>, Vec<u32>) {
         let mut final_from_welded = vec![UNSEEN; self.welded.len()];
         let mut used = Vec::with_capacity(self.welded.len());
+        let mut sources = Vec::with_capacity(self.welded.len());
         for corner in triangles.iter_mut().flatten() {
             let to = &mut final_from_welded[*corner as usize];
             if *to == UNSEEN {
                 *to = used.len() as u32;
                 used.push(self.welded[*corner as usize]);
+                sources.push(self.sources[*corner as usize]);
             }
             *corner = *to;
         }
-        used
+        (used, sources)
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::{Bounds, Camera, CameraError, Light, Mesh};
+use crate::{Bounds, Camera, CameraError, Light, Mesh, Pose, Role, Texture};
 
 /// Everything that is lit and casts, with the cameras and lights that came with it.
 ///
@@ -18,6 +18,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Never empty when there are objects.
     pub materials: Vec<Material>,
+    /// Pictures that materials name.
+    pub textures: Vec<Arc<Texture>>,
     /// Cameras that came with the model.
     pub cameras: Vec<NamedCamera>,
     /// Lights that came with the model.
@@ -33,6 +35,10 @@ pub struct Object {
     pub mesh: Arc<Mesh>,
     /// Scene space from object space; may mirror.
     pub world_from_object: DAffine3,
+    /// How the mesh is bent, if it can be.
+    pub pose: Option<Pose>,
+    /// What it does in a picture.
+    pub role: Role,
 }
 
 /// How a surface looks.
@@ -40,14 +46,43 @@ pub struct Object {
 pub struct Material {
     /// As in the file; empty when it had none.
     pub name: String,
-    /// Linear reflectance, each channel 0 to 1.
+    /// Linear reflectance, each channel 0 to 1; multiplies the texture's.
     pub base_color: Vec3,
+    /// 0 to 1; multiplies the texture's.
+    pub alpha: f32,
+    /// What alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Index into [`Scene::textures`].
+    pub base_color_texture: Option<u32>,
+}
+
+/// What a material's alpha means.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// Where it is below `cutoff`, there is no surface.
+    Mask {
+        /// 0 to 1.
+        cutoff: f32,
+    },
+    /// How much of the surface covers what is behind.
+    Blend,
 }
 
 impl Default for Material {
     /// A light, slightly warm grey.
     fn default() -> Self {
-        Self { name: String::new(), base_color: Vec3::new(0.62, 0.60, 0.57) }
+        Self::new("", Vec3::new(0.62, 0.60, 0.57))
+    }
+}
+
+impl Material {
+    /// Opaque, without a texture.
+    pub fn new(name: impl Into<String>, base_color: Vec3) -> Self {
+        let name = name.into();
+        Self { name, base_color, alpha: 1.0, alpha_mode: AlphaMode::Opaque, base_color_texture: None }
     }
 }
 
@@ -123,11 +158,16 @@ impl Scene {
             return Err(SceneError::TooFarApart { distance_m });
         }
         let first_material = self.materials.len() as u32;
-        self.materials.extend(other.materials);
+        let first_texture = self.textures.len() as u32;
+        self.textures.extend(other.textures);
+        self.materials.extend(other.materials.into_iter().map(|material| Material {
+            base_color_texture: material.base_color_texture.map(|texture| first_texture + texture),
+            ..material
+        }));
         self.objects.extend(other.objects.into_iter().map(|object| Object {
-            name: object.name,
             mesh: Arc::new(object.mesh.with_materials_after(first_material)),
             world_from_object: DAffine3::from_translation(offset) * object.world_from_object,
+            ..object
         }));
         self.cameras.extend(other.cameras.into_iter().map(|c| NamedCamera { eye: c.eye + offset, ..c }));
         self.lights.extend(other.lights.into_iter().map(|l| Light { position: l.position.moved_by(offset), ..l }));
@@ -136,8 +176,21 @@ impl Scene {
 }
 
 impl Object {
+    /// An opaque object that casts and is not bent.
+    pub fn new(name: impl Into<String>, mesh: Arc<Mesh>, world_from_object: DAffine3) -> Self {
+        Self { name: name.into(), mesh, world_from_object, pose: None, role: Role::default() }
+    }
+
+    /// Where each of the mesh's positions is, scene space.
+    pub fn positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.mesh.positions().iter().enumerate().map(|(v, &rest)| {
+            let posed = self.pose.as_ref().map_or(rest.as_dvec3(), |pose| pose.position(v, rest));
+            self.world_from_object.transform_point3(posed)
+        })
+    }
+
     /// The smallest box that holds the object, scene space.
     pub fn bounds(&self) -> Bounds {
-        Bounds::of_points(self.mesh.positions().iter().map(|p| self.world_from_object.transform_point3(p.as_dvec3())))
+        Bounds::of_points(self.positions())
     }
 }

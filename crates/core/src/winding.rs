@@ -173,7 +173,7 @@ mod tests {
         let mesh = Arc::new(Mesh::new(surface).expect("a box is a good mesh"));
         let topology = Arc::new(Topology::new(&mesh));
         let scale = DVec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
-        Caster::new(&Object { name: "box".into(), mesh, world_from_object: DAffine3::from_scale(scale) }, topology)
+        Caster::new(&Object::new("box", mesh, DAffine3::from_scale(scale)), topology)
     }
 
     #[test]

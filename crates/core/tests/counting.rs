@@ -106,7 +106,7 @@ fn caster(soup: &Soup) -> Option<Caster> {
     }
     let mesh = Arc::new(Mesh::new(Surface { positions, triangles, ..Surface::default() }).ok()?);
     let topology = Arc::new(Topology::new(&mesh));
-    let object = Object { name: String::new(), mesh, world_from_object: DAffine3::IDENTITY };
+    let object = Object::new("", mesh, DAffine3::IDENTITY);
     Some(Caster::new(&object, topology))
 }
 

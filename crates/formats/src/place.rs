@@ -85,10 +85,11 @@ pub(crate) fn scene_of_parts(
             triangles: mem::take(&mut part.triangles),
             triangle_materials: mem::take(&mut part.triangle_materials),
             vertex_colors: mem::take(&mut part.vertex_colors),
+            ..Surface::default()
         };
         match Mesh::new(surface) {
             Ok(mesh) => {
-                objects.push(Object { name: part.name, mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY });
+                objects.push(Object::new(part.name, Arc::new(mesh), DAffine3::IDENTITY));
             }
             Err(error) => {
                 let problem = explain(index, &part, &error);

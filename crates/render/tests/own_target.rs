@@ -15,10 +15,9 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         pollster::block_on(Gpu::new(&choice)).expect("tests need a graphics driver: run scripts/setup.sh")
     };
     let scene = {
-        let body = |name: &str, surface| Object {
-            name: name.into(),
-            mesh: Arc::new(Mesh::new(surface).expect("shapes are good meshes")),
-            world_from_object: DAffine3::IDENTITY,
+        let body = |name: &str, surface| {
+            let mesh = Mesh::new(surface).expect("shapes are good meshes");
+            Object::new(name, Arc::new(mesh), DAffine3::IDENTITY)
         };
         let floor = shapes::cuboid(Vec3::new(-4.0, -4.0, -0.2), Vec3::new(4.0, 4.0, 0.0));
         let post = shapes::cuboid(Vec3::new(-0.5, -0.5, 0.1), Vec3::new(0.5, 0.5, 2.0));
@@ -30,7 +29,7 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
     };
     let casters = Caster::of_scene(&scene);
     let camera = Camera::new(DVec3::new(3.0, -9.0, 5.0), DVec3::ZERO, 0.8, 0.1, SIZE_PX).expect("a good camera");
-    let lights = [Light { name: "sun".into(), position: LightPosition::sun(4.0, 0.6), strength: Vec3::ONE }];
+    let lights = [Light::new("sun", LightPosition::sun(4.0, 0.6), Vec3::ONE)];
     let look = Look::for_model(&scene.bounds(), &lights);
 
     let headless = Renderer::new(gpu(), 4);

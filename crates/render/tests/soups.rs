@@ -44,7 +44,7 @@ fn soup(random: &mut Random) -> Scene {
             triangles.extend((2..12).map(|i| if random.below(2) == 0 { [0, 1, i] } else { [1, 0, i] }));
             triangles.extend([triangles[3], triangles[5]]);
             let mesh = Mesh::new(Surface { positions, triangles, ..Surface::default() }).unwrap();
-            Object { name: "soup".into(), mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY }
+            Object::new("soup", Arc::new(mesh), DAffine3::IDENTITY)
         })
         .collect();
     Scene { objects, materials: vec![Material::default()], ..Scene::default() }
@@ -71,11 +71,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
             LightPosition::point(in_plane),
             LightPosition::directional(random.point(1.0)).unwrap(),
         ]
-        .map(|position| Light {
-            name: "light".into(),
-            position: position.rounded_to_f32(),
-            strength: Vec3::ONE,
-        });
+        .map(|position| Light::new("light", position.rounded_to_f32(), Vec3::ONE));
         let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             for method in [Method::Auto, Method::ZFail] {

@@ -45,7 +45,7 @@ pub(super) struct Model(Scene);
 impl Model {
     /// A new material of this linear colour.
     pub(super) fn paint(&mut self, name: &str, base_color: [f32; 3]) -> Paint {
-        self.0.materials.push(Material { name: name.to_owned(), base_color: base_color.into() });
+        self.0.materials.push(Material::new(name, base_color.into()));
         Paint(self.0.materials.len() as u32 - 1)
     }
 
@@ -56,7 +56,7 @@ impl Model {
 
     /// A new object that may share its mesh.
     pub(super) fn place(&mut self, name: impl Into<String>, mesh: Arc<Mesh>, world_from_object: DAffine3) {
-        self.0.objects.push(Object { name: name.into(), mesh, world_from_object });
+        self.0.objects.push(Object::new(name, mesh, world_from_object));
     }
 
     pub(super) fn add_light(&mut self, light: Light) {

@@ -64,11 +64,8 @@ pub(super) fn scene() -> Scene {
     post.add(iron, shapes::cylinder(foot, 0.05, lamp.z - 0.06 - foot.z, 12));
     post.add(iron, shapes::cone(foot, 0.18, 0.4, 12));
     model.add("lamp", post);
-    model.add_light(Light {
-        name: "top".to_owned(),
-        position: LightPosition::point(lamp.as_dvec3()),
-        strength: Vec3::new(300.0, 256.0, 192.0),
-    });
+    let strength = Vec3::new(300.0, 256.0, 192.0);
+    model.add_light(Light::new("top", LightPosition::point(lamp.as_dvec3()), strength));
     // Onto the lowest hundred steps, the 256th from the top among them.
     let (eye, target) = (DVec3::new(7.0, -5.0, 16.0), DVec3::new(0.0, 13.0, 7.0));
     let forward = (target - eye).normalize_or_zero();

@@ -165,18 +165,16 @@ impl Case {
             let mut surface = shapes::joined(object.parts.iter().map(Part::surface));
             surface.triangle_materials = vec![i as u32; surface.triangles.len()];
             let mesh = Arc::new(Mesh::new(surface).with_context(|| name.clone())?);
-            scene.materials.push(Material { name: name.clone(), base_color: object.base_color.into() });
-            scene.objects.extend(object.places.iter().map(|place| Object {
-                name: name.clone(),
-                mesh: mesh.clone(),
-                world_from_object: DAffine3::from_translation(place.offset_m.into())
-                    * DAffine3::from_scale(place.scale.into()),
+            scene.materials.push(Material::new(name.clone(), object.base_color.into()));
+            scene.objects.extend(object.places.iter().map(|place| {
+                let world_from_object =
+                    DAffine3::from_translation(place.offset_m.into()) * DAffine3::from_scale(place.scale.into());
+                Object::new(name.clone(), mesh.clone(), world_from_object)
             }));
         }
-        scene.lights.extend(self.lamps.iter().enumerate().map(|(i, lamp)| Light {
-            name: format!("lamp {i}"),
-            position: LightPosition::point(lamp.at_m.into()),
-            strength: lamp.strength.into(),
+        scene.lights.extend(self.lamps.iter().enumerate().map(|(i, lamp)| {
+            let position = LightPosition::point(lamp.at_m.into());
+            Light::new(format!("lamp {i}"), position, lamp.strength.into())
         }));
         Ok(scene)
     }

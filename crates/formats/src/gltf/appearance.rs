@@ -32,7 +32,7 @@ fn material_of(material: &document::Material, warnings: &mut Warnings) -> Materi
         let words = ["base colour was brought into 0 to 1", "base colours were brought into 0 to 1"];
         warnings.add_one(words, || format!("({red}, {green}, {blue}) of material {}", quoted(&name)));
     }
-    Material { name, base_color }
+    Material::new(name, base_color)
 }
 
 /// A light where its node is; it shines along the node's -z.
@@ -62,7 +62,7 @@ pub(super) fn light(
         ];
         warnings.add(1, words);
     }
-    Some(Light { name, position, strength })
+    Some(Light::new(name, position, strength))
 }
 
 /// A camera where its node is; it looks along the node's -z, +y up.

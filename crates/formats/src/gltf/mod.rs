@@ -228,7 +228,7 @@ impl Stage<'_> {
         }
         self.triangles_shown = shown;
         self.bounds = self.bounds.union(Bounds::of_points(corners));
-        self.scene.objects.push(Object { name, mesh: shape.mesh.clone(), world_from_object });
+        self.scene.objects.push(Object::new(name, shape.mesh.clone(), world_from_object));
         Ok(())
     }
 
