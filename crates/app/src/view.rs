@@ -137,7 +137,7 @@ pub fn lights(choice: &ViewChoice, scene: &Scene, model: &Bounds) -> Vec<Light> 
     }
     for light in &mut lights {
         // What draws and what verifies must mean the same light.
-        light.position = light.position.rounded_to_f32();
+        *light = light.rounded_to_f32();
     }
     lights
 }

@@ -71,8 +71,8 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
             LightPosition::point(in_plane),
             LightPosition::directional(random.point(1.0)).unwrap(),
         ]
-        .map(|position| Light::new("light", position.rounded_to_f32(), Vec3::ONE));
-        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        .map(|position| Light::new("light", position, Vec3::ONE));
+        let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             for method in [Method::Auto, Method::ZFail] {
                 let drawn = renderer.mask(&gpu_scene, &casters, &camera, light, method);
