@@ -87,8 +87,8 @@ impl Plan {
         options: &ShadowOptions,
     ) -> Self {
         let culler = Culler::new(&seen.camera, light, &seen.bounds);
-        let whole = PixelRect { min: [0, 0], max: seen.camera.size_px() };
-        let light_rect = if options.light_scissor { culler.light_rect() } else { Some(whole) };
+        let whole = PixelRect::whole(seen.camera.size_px());
+        let light_rect = if options.light_scissor { culler.light_rect() } else { whole };
         let is_seen = !options.cull_lights || culler.light_may_show();
         let mut plan = Self {
             rect: light_rect.filter(|_| is_seen),
@@ -148,7 +148,7 @@ fn fate_by_culling(
     if !options.caster_scissor {
         return Ok(light_rect);
     }
-    culler.shadow_rect(&caster.bounds).and_then(|rect| rect.intersection(light_rect)).ok_or(Fate::Unseen)
+    culler.shadow_rect(&caster.bounds).and_then(|rect| rect.intersection(&light_rect)).ok_or(Fate::Unseen)
 }
 
 /// As [`super::casters::VolumeVertex`] has it.
@@ -173,7 +173,7 @@ impl CasterPlanner<'_> {
         let chain = Chain::new(caster, light, &self.counting(light));
         let volume = ShadowVolume::new(caster, &chain);
         let mut report = CasterReport::of_fate(Fate::Unseen);
-        report.rect = self.rect;
+        report.rect = Some(self.rect);
         report.silhouette_edges = volume.silhouette_edges;
         report.chain_triangles = volume.light_cap.len();
         report.index_bytes = if self.block.is_short() { size_of::<u16>() } else { size_of::<u32>() };

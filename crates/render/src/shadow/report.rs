@@ -21,8 +21,8 @@ pub struct CasterReport {
     pub parts: usize,
     /// Bytes of an index: 2 or 4. A triangle moves three.
     pub index_bytes: usize,
-    /// Pixels into which its volume was drawn.
-    pub rect: PixelRect,
+    /// Pixels into which its volume was drawn; `None` if it was not.
+    pub rect: Option<PixelRect>,
 }
 
 impl CasterReport {
@@ -36,7 +36,7 @@ impl CasterReport {
             chain_triangles: 0,
             parts: 0,
             index_bytes: 0,
-            rect: PixelRect::default(),
+            rect: None,
         }
     }
 
