@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
-use umbrae_render::{AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, compare};
+use umbrae_render::{
+    AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
+};
 use web_time::Instant;
 
 use crate::cli::{Method, RenderArgs};
@@ -23,7 +25,7 @@ struct Stage {
     casters: Vec<Caster>,
     camera: Camera,
     lights: Vec<Light>,
-    method: umbrae_render::Method,
+    shadows: ShadowOptions,
     look: Look,
 }
 
@@ -61,7 +63,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
     times.upload = ms_since(start);
     let look = Look::for_model(&model, &lights);
-    let stage = Stage { renderer, gpu_scene, casters, camera, lights, method: args.method.into(), look };
+    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 
     let start = Instant::now();
     let picture = stage.picture()?;
@@ -101,14 +103,22 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
 
 impl Stage {
     fn picture(&self) -> anyhow::Result<Picture> {
-        let drawn =
-            self.renderer.picture(&self.gpu_scene, &self.casters, &self.camera, &self.lights, self.method, &self.look);
-        Ok(pollster::block_on(drawn)?)
+        Ok(pollster::block_on(self.renderer.picture(&self.shot()))?)
     }
 
     fn mask(&self, light: &Light) -> anyhow::Result<Mask> {
-        let drawn = self.renderer.mask(&self.gpu_scene, &self.casters, &self.camera, light, self.method);
-        Ok(pollster::block_on(drawn)?)
+        Ok(pollster::block_on(self.renderer.mask(&self.shot(), light))?)
+    }
+
+    fn shot(&self) -> Shot<'_> {
+        Shot {
+            scene: &self.gpu_scene,
+            casters: &self.casters,
+            camera: &self.camera,
+            lights: &self.lights,
+            shadows: self.shadows,
+            look: &self.look,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Cone, Light, LightPosition, Material, Mesh, Object, Scene, Surface};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, ShadowOptions, Shot};
 
 const SIZE_PX: [u32; 2] = [120, 120];
 
@@ -41,16 +41,19 @@ impl Floor {
     }
 
     fn mask(&self, light: &Light) -> Vec<u8> {
-        let drawn = self.renderer.mask(&self.uploaded, &self.casters, &self.camera, light, Method::Auto);
-        pollster::block_on(drawn).expect("a mask").verdicts
+        pollster::block_on(self.renderer.mask(&self.shot(&[]), light)).expect("a mask").verdicts
     }
 
     /// The red of each pixel.
     fn picture(&self, light: &Light) -> Vec<u8> {
-        let look = Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: Vec3::ZERO };
         let lights = [light.clone()];
-        let drawn = self.renderer.picture(&self.uploaded, &self.casters, &self.camera, &lights, Method::Auto, &look);
-        pollster::block_on(drawn).expect("a picture").rgba.chunks_exact(4).map(|pixel| pixel[0]).collect()
+        let drawn = pollster::block_on(self.renderer.picture(&self.shot(&lights))).expect("a picture");
+        drawn.rgba.chunks_exact(4).map(|pixel| pixel[0]).collect()
+    }
+
+    fn shot<'a>(&'a self, lights: &'a [Light]) -> Shot<'a> {
+        let shadows = ShadowOptions::default();
+        Shot { scene: &self.uploaded, casters: &self.casters, camera: &self.camera, lights, shadows, look: &Look::NONE }
     }
 }
 
