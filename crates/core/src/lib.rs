@@ -22,6 +22,7 @@ mod chain;
 mod convex;
 mod counting;
 mod cull;
+mod eye_count;
 mod light;
 mod mesh;
 mod oracle;
