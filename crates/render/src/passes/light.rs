@@ -5,7 +5,7 @@ use super::surface::{SurfaceState, draw_surface, surface_pipeline};
 use crate::targets::Output;
 use crate::{Gpu, GpuScene};
 
-/// Adds a light to every visible surface whose stencil is 0 and whose seen side turns to the light.
+/// Adds a light to every visible surface whose stencil is 0 and whose seen side the light reaches.
 ///
 /// - reads: depth and stencil
 /// - writes: colour, by addition
@@ -30,7 +30,7 @@ impl LightPass {
             wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
         let pipeline = surface_pipeline(
             gpu,
-            output,
+            Some(output),
             samples,
             &SurfaceState {
                 label: "light",
