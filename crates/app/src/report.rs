@@ -130,8 +130,9 @@ impl CameraReport {
 
 /// One light and what it drew.
 ///
-/// At distance d and angle a from the middle of its cone, a lamp gives a surface that faces it `strength / d^2 * max(1 - (d / range)^4, 0)^2`
-/// times its edge, which goes from 1 at `inner_deg` to 0 at `outer_deg`; a directional light gives `strength`.
+/// A directional light gives a surface that faces it `strength`. A lamp d metres away gives it `strength / d^2 * (1 - (d / range)^4)`, and
+/// nothing from its range on; a spot that times `edge^2`, where `edge` goes from 1 to 0 as the cosine of the angle from the cone's middle
+/// goes from that of `inner_deg` to that of `outer_deg`.
 #[derive(Debug, Serialize)]
 pub struct LightJson {
     name: String,

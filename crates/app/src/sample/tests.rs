@@ -181,13 +181,17 @@ fn a_sample_written_as_glb_and_loaded_again_casts_the_same_shadows() {
         }
         assert_eq!(loaded.lights.len(), scene.lights.len());
         for (found, written) in loaded.lights.iter().zip(&scene.lights) {
-            assert_eq!((&found.name, found.position), (&written.name, written.position));
+            assert_eq!(found.name, written.name);
+            // As they are drawn: JSON may be off by the last bit of a double.
+            assert_eq!(found.position.rounded_to_f32(), written.position.rounded_to_f32());
             assert!(found.strength.distance(written.strength) < 1e-3, "{found:?}");
             assert_eq!(found.range_m, written.range_m);
             assert_eq!(found.cone.is_some(), written.cone.is_some(), "{found:?}");
             for (found, written) in found.cone.iter().zip(&written.cone) {
                 assert!(found.axis.distance(written.axis) < 1e-6, "{found:?}");
-                assert_eq!((found.inner_rad, found.outer_rad), (written.inner_rad, written.outer_rad));
+                assert!(
+                    (found.inner_rad - written.inner_rad).abs() + (found.outer_rad - written.outer_rad).abs() < 1e-12
+                );
             }
         }
     }

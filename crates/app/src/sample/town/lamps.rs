@@ -75,8 +75,9 @@ fn places() -> [(Shade, Vec2, Vec2, Vec3); 20] {
     ]
 }
 
-/// Adds "lamp 1" to "lamp 20", posts and lights alike.
+/// Adds "lamp 1" to "lamp 20", posts and lights alike, and a camera "market" among them.
 pub(super) fn add(model: &mut Model) {
+    model.add_camera("market", DVec3::new(42.0, -43.0, 9.0), DVec3::new(8.0, -18.0, 3.0), 60.0);
     let iron = model.paint("iron", [0.06, 0.06, 0.07]);
     let lantern = Arc::new(lantern(iron).into_mesh());
     let hood = Arc::new(hood(iron).into_mesh());
@@ -84,8 +85,8 @@ pub(super) fn add(model: &mut Model) {
     for (number, (shade, at, arm, color)) in (1..).zip(places()) {
         let name = format!("lamp {number}");
         let (mesh, lamp, intensity_cd, range_m) = match shade {
-            Shade::Lantern => (&lantern, IN_LANTERN, random.between(260.0, 380.0), random.between(12.0, 16.0)),
-            Shade::Hood => (&hood, IN_HOOD, random.between(420.0, 560.0), random.between(15.0, 18.0)),
+            Shade::Lantern => (&lantern, IN_LANTERN, random.between(260.0, 380.0), half_metres(&mut random, 12, 16)),
+            Shade::Hood => (&hood, IN_HOOD, random.between(420.0, 560.0), half_metres(&mut random, 15, 18)),
         };
         let world_from_lamp = standing(at, arm.to_angle(), 1.0);
         // Rounded as files have it.
@@ -100,10 +101,16 @@ pub(super) fn add(model: &mut Model) {
                     outer_rad: OUTER_DEG.to_radians(),
                 }),
             },
-            range_m: Some(range_m.into()),
+            range_m: Some(range_m),
             ..Light::new(name, LightPosition::point(position), color * intensity_cd)
         });
     }
+}
+
+/// From `low` to `high`, in steps that files hold exactly.
+fn half_metres(random: &mut Random, low: u8, high: u8) -> f64 {
+    let steps: Vec<u8> = (2 * low..=2 * high).collect();
+    0.5 * f64::from(random.pick(&steps))
 }
 
 /// A post with a lantern of four bars under a roof, 5 m high; 170 triangles.
