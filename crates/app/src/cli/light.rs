@@ -52,7 +52,7 @@ struct Options {
     point: Vec<DVec3>,
 
     /// A lamp that shines only into a cone: where it is, the direction in which it shines, and the degrees from there to the cone's edge
-    /// (more than 0, at most 90); may be given several times
+    /// (0.1 to 90); may be given several times
     #[arg(long, value_name = "X,Y,Z:DX,DY,DZ:DEGREES", value_parser = spot, allow_hyphen_values = true)]
     spot: Vec<SpotPlace>,
 
