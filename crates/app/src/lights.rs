@@ -1,5 +1,7 @@
 //! The lights of a picture: the user's, else the model's, else an afternoon sun; and how far they reach.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::{DVec3, Vec3};
 use umbrae_core::{Bounds, Cone, Light, LightPosition, Scene};
 
@@ -99,10 +101,12 @@ pub fn reaching(lights: Vec<Light>, exposure: f32) -> Vec<Light> {
 /// What draws and what verifies must mean the same light.
 pub(crate) fn rounded_to_f32(light: Light) -> Light {
     let round = |x: f64| f64::from(x as f32);
+    // The nearest f32 to a right angle is above it.
+    let round_angle = |angle_rad: f64| round(angle_rad).min(FRAC_PI_2);
     let cone = light.cone.map(|cone| Cone {
         axis: cone.axis.as_vec3().as_dvec3(),
-        inner_rad: round(cone.inner_rad),
-        outer_rad: round(cone.outer_rad),
+        inner_rad: round_angle(cone.inner_rad),
+        outer_rad: round_angle(cone.outer_rad),
     });
     Light { position: light.position.rounded_to_f32(), range_m: light.range_m.map(round), cone, ..light }
 }
@@ -172,6 +176,13 @@ mod tests {
         let names: Vec<&str> = lights.iter().map(|light| light.name.as_str()).collect();
         assert_eq!(names, ["point 1", "spot 1", "sun", "point 2", "spot 2"]);
         assert!(lights[1].cone.is_some_and(|cone| (cone.inner_rad / cone.outer_rad - 0.8).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_spot_of_half_of_space_is_no_wider_after_rounding() {
+        let spot = LampPlace::Spot(SpotPlace { position: DVec3::Z, axis: DVec3::NEG_Z, outer_deg: 90.0 });
+        let cone = lights_of(&[lamp(spot)])[0].cone.expect("it is a spot");
+        assert!(cone.outer_rad <= FRAC_PI_2 && cone.inner_rad < cone.outer_rad, "{cone:?}");
     }
 
     #[test]
