@@ -33,9 +33,16 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
     let look = Look::for_model(&scene.bounds(), &lights);
 
     let headless = Renderer::new(gpu(), 4);
-    let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials).expect("a small scene");
-    let picture = headless.picture(&uploaded, &casters, &camera, &lights, Method::Auto, &look);
-    let picture = pollster::block_on(picture).expect("a small picture");
+    let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials, &scene.textures).expect("a small scene");
+    let shot = Shot {
+        scene: &uploaded,
+        casters: &casters,
+        camera: &camera,
+        lights: &lights,
+        shadows: Method::Auto.into(),
+        look: &look,
+    };
+    let picture = pollster::block_on(headless.picture(&shot)).expect("a small picture");
 
     let format = wgpu::TextureFormat::Bgra8UnormSrgb;
     let windowed = Renderer::for_format(gpu(), 4, format);
@@ -50,16 +57,9 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    let uploaded = GpuScene::new(gpu, &casters, &scene.materials).expect("a small scene");
+    let uploaded = GpuScene::new(gpu, &casters, &scene.materials, &scene.textures).expect("a small scene");
     let targets = Targets::new(gpu, Output::Picture, SIZE_PX, 4).expect("a small picture");
-    let shot = Shot {
-        scene: &uploaded,
-        casters: &casters,
-        camera: &camera,
-        lights: &lights,
-        method: Method::Auto,
-        look: &look,
-    };
+    let shot = Shot { scene: &uploaded, ..shot };
     let to = own.create_view(&wgpu::TextureViewDescriptor::default());
     windowed.draw(&shot, &targets, &to).expect("a small scene");
 
