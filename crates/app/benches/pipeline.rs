@@ -12,13 +12,14 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use anyhow::{Context as _, ensure};
+use umbrae::lights::{LampChoice, LampPlace, lights, reaching};
 use umbrae::sample::{Sample, glb_bytes};
-use umbrae::view::{ViewChoice, add_ground, camera, ground_under, lights};
+use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, Mesh, Object, Scene, ShadowVolume, Surface, Topology, Windings, silhouette,
 };
 use umbrae_formats::{LoadOptions, load};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, PassTime, Renderer};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, PassTime, Renderer, ShadowOptions, Shot};
 use web_time::Instant;
 
 const SIZE_PX: [u32; 2] = [1280, 720];
@@ -198,15 +199,17 @@ impl Stage {
     fn new(mut scene: Scene) -> anyhow::Result<Self> {
         let model = scene.bounds();
         let lamp = scene.origin + model.center() + LAMP_RADII * model.radius();
-        let choice =
-            ViewChoice { size_px: SIZE_PX, sun_deg: Some(SUN_DEG), points: vec![lamp], ..ViewChoice::default() };
+        let choice = ViewChoice { size_px: SIZE_PX, ..ViewChoice::default() };
+        let [azimuth_deg, altitude_deg] = SUN_DEG;
+        let lamps = [LampPlace::Sun { azimuth_deg, altitude_deg }, LampPlace::Point(lamp)].map(LampChoice::new);
         let ground = ground_under(&model);
         let camera = camera(&choice, &scene, &model, Some(&ground))?;
-        let lights = lights(&choice, &scene, &model);
+        let lights = lights(&lamps, &scene, &model);
         add_ground(&mut scene, &ground);
         let casters = Caster::of_scene(&scene);
         let seen = casters.iter().map(|caster| Windings::of_near_rectangle(caster, &camera)).collect();
         let look = Look::for_model(&model, &lights);
+        let lights = reaching(lights, look.exposure);
         Ok(Self { scene, casters, seen, camera, lights, look })
     }
 
@@ -287,7 +290,9 @@ impl Drawing {
 
     fn passes(&self, stage: &Stage, method: Method, pictures: usize) -> anyhow::Result<Passes> {
         let Stage { casters, camera, lights, look, .. } = stage;
-        let draw = || pollster::block_on(self.renderer.picture(&self.scene, casters, camera, lights, method, look));
+        let shadows = ShadowOptions::from(method);
+        let shot = Shot { scene: &self.scene, casters, camera, lights, shadows, look };
+        let draw = || pollster::block_on(self.renderer.picture(&shot));
         // The first one compiles shaders.
         let mut runs = vec![once_ms(draw)];
         if pictures > 1 {
@@ -300,7 +305,7 @@ impl Drawing {
             ms: median(pictures.iter().map(|picture| picture.passes[i].ms)),
         });
         let reports = || pictures[0].lights.iter().flat_map(|light| &light.casters);
-        let zpass = reports().filter(|report| report.case.number() == 1).count();
+        let zpass = reports().filter(|report| report.case() == Some(umbrae_core::Case::Pass)).count();
         Ok(Passes {
             gpu: gpu.collect(),
             cpu_ms: median(pictures.iter().map(|picture| picture.lights.iter().map(|light| light.cpu_ms).sum())),

@@ -34,14 +34,14 @@ struct Fragment { @builtin(position) @invariant clip: vec4f, @location(0) world:
 
 /// A floor, a ring and a post.
 pub fn casters() -> Vec<Caster> {
-    let object = |name: &str, surface, at| {
+    let object = |name: &str, surface| {
         let mesh = Arc::new(Mesh::new(surface).expect("shapes are good meshes"));
-        Object::new(name, mesh, DAffine3::from_translation(at))
+        Object::new(name, mesh, DAffine3::IDENTITY)
     };
     let objects = vec![
-        object("floor", shapes::cuboid(Vec3::new(-6.0, -6.0, -0.2), Vec3::new(6.0, 6.0, 0.0)), DVec3::ZERO),
-        object("ring", shapes::torus(1.2, 0.35, 48, 24), DVec3::new(-0.4, 0.3, 1.4)),
-        object("post", shapes::cuboid(Vec3::splat(-0.3), Vec3::new(0.3, 0.3, 2.6)), DVec3::new(2.2, -0.6, 0.301)),
+        object("floor", shapes::cuboid(Vec3::new(-6.0, -6.0, -0.2), Vec3::new(6.0, 6.0, 0.0))),
+        object("ring", shapes::torus(Vec3::new(-0.4, 0.3, 1.4), 1.2, 0.35, 48, 24)),
+        object("post", shapes::cuboid(Vec3::new(1.9, -0.9, 0.001), Vec3::new(2.5, -0.3, 2.9))),
     ];
     Caster::of_scene(&Scene { objects, ..Scene::default() })
 }
@@ -88,7 +88,8 @@ pub async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light]) -> R
         lights.iter().map(|light| frame_group(device, &ambient, camera, light)).collect();
 
     let color = texture(device, COLOR);
-    let (color_view, depth_view) = (color.create_view(&Default::default()), texture(device, DEPTH).create_view(&Default::default()));
+    let (color_view, depth_view) =
+        (color.create_view(&Default::default()), texture(device, DEPTH).create_view(&Default::default()));
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -129,7 +130,12 @@ fn corners(caster: &Caster) -> Vec<[Vec3; 2]> {
     (0..caster.mesh.triangles().len()).flat_map(flat).collect()
 }
 
-fn frame_group(device: &wgpu::Device, pipeline: &wgpu::RenderPipeline, camera: &Camera, light: &Light) -> wgpu::BindGroup {
+fn frame_group(
+    device: &wgpu::Device,
+    pipeline: &wgpu::RenderPipeline,
+    camera: &Camera,
+    light: &Light,
+) -> wgpu::BindGroup {
     let mut floats = camera.clip_from_world().as_mat4().to_cols_array().to_vec();
     floats.extend(light.position.homogeneous().as_vec4().to_array());
     floats.extend(light.strength.extend(0.0).to_array());
@@ -143,28 +149,47 @@ fn frame_group(device: &wgpu::Device, pipeline: &wgpu::RenderPipeline, camera: &
 
 /// Depth with ambient light, and one light added where the stencil is [`LIT`]; both with reversed depth, both sides.
 fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
-    let module =
-        device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(SHADER.into()) });
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+    });
     let entry = wgpu::BindGroupLayoutEntry {
         binding: 0,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None },
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
         count: None,
     };
     let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &[entry] });
     let layout = wgpu::PipelineLayoutDescriptor { label: None, bind_group_layouts: &[Some(&group)], immediate_size: 0 };
     let layout = device.create_pipeline_layout(&layout);
-    let add = wgpu::BlendComponent { src_factor: wgpu::BlendFactor::One, dst_factor: wgpu::BlendFactor::One, operation: wgpu::BlendOperation::Add };
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
     let is_lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
     let make = |entry_point, compare, face, blend| {
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-        let vertex = wgpu::VertexBufferLayout { array_stride: 24, step_mode: wgpu::VertexStepMode::Vertex, attributes: &attributes };
+        let vertex = wgpu::VertexBufferLayout {
+            array_stride: 24,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes,
+        };
         let stencil = wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask: 0 };
         let write_mask = wgpu::ColorWrites::ALL;
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(entry_point),
             layout: Some(&layout),
-            vertex: wgpu::VertexState { module: &module, entry_point: Some("vs"), compilation_options: Default::default(), buffers: &[Some(vertex)] },
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vs"),
+                compilation_options: Default::default(),
+                buffers: &[Some(vertex)],
+            },
             primitive: wgpu::PrimitiveState::default(),
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH,

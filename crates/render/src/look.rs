@@ -28,8 +28,8 @@ const RANGE_SHARE: f64 = 0.5;
 const FADE_RADII: [f32; 2] = [3.0, 9.0];
 
 impl Look {
-    /// For passes that do not shade.
-    pub(crate) const NONE: Self =
+    /// Neither exposure nor fading.
+    pub const NONE: Self =
         Self { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: Vec3::ZERO };
 
     /// Exposed for the brightest of `lights` as it reaches the middle of `model`, or the surface of its bounding sphere where
