@@ -77,14 +77,14 @@ impl Above {
     fn drawn<T>(&self, level: &Level, lights: &[Light], draw: impl AsyncFnOnce(&Renderer, &Shot<'_>) -> T) -> T {
         let casters = Caster::of_scene(&level.0);
         let uploaded = GpuScene::new(self.renderer.gpu(), &casters, &level.0.materials, &level.0.textures);
-        let look = Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: Vec3::ZERO };
+
         let shot = Shot {
             scene: &uploaded.expect("a small scene"),
             casters: &casters,
             camera: &self.camera,
             lights,
             shadows: Method::Auto.into(),
-            look: &look,
+            look: &Look::NONE,
         };
         pollster::block_on(draw(&self.renderer, &shot))
     }
