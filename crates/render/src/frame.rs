@@ -5,10 +5,11 @@
 //! for each light:
 //!   volumes              the shadow volumes into the stencil, from 0
 //!   light                this light, added where the stencil is 0
+//! overlay                what is shown over the picture, if anything is
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
-use crate::passes::{GpuVolumes, LightPass, SurfacePass, TonePass, VolumePass};
+use crate::passes::{GpuOverlay, GpuVolumes, LightPass, OverlayPass, SurfacePass, TonePass, VolumePass};
 use crate::timing::PassTimer;
 use crate::{GpuScene, Targets};
 
@@ -27,6 +28,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) scene: &'a GpuScene,
     pub(crate) view: &'a wgpu::BindGroup,
     pub(crate) lights: &'a [FrameLight],
+    /// With the pass that draws it.
+    pub(crate) overlay: Option<(&'a OverlayPass, &'a GpuOverlay)>,
 }
 
 /// One light of a frame.
@@ -39,7 +42,7 @@ pub(crate) struct FrameLight {
 
 /// How many passes [`record`] and [`record_tone`] make together.
 pub(crate) fn pass_count(lights: usize) -> u32 {
-    2 + 2 * lights as u32
+    3 + 2 * lights as u32
 }
 
 /// Records everything but the tone mapping.
@@ -66,6 +69,12 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
         let name = format!("light: {}", light.name);
         let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
         passes.light.draw(&mut pass, frame.scene, &light.uniform);
+    }
+
+    if let Some((overlay_pass, overlay)) = frame.overlay {
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);
+        let mut pass = begin(encoder, frame, "overlay", Some(color), keep, timer);
+        overlay_pass.draw(&mut pass, overlay);
     }
 }
 

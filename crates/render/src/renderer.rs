@@ -5,12 +5,14 @@ use web_time::Instant;
 
 use crate::frame::{self, Frame, FrameLight, Passes};
 use crate::light_volumes::CasterReport;
-use crate::passes::{GpuVolumes, Layouts, LightPass, SurfacePass, TonePass, VolumePass, uniform_group};
+use crate::passes::{
+    GpuOverlay, GpuVolumes, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, VolumePass, uniform_group,
+};
 use crate::readback::TextureCopy;
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightVolumes, Look, Method, PassTime, Targets};
+use crate::{Gpu, GpuError, GpuScene, LightVolumes, Look, Method, Overlay, PassTime, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -19,6 +21,7 @@ pub struct Renderer {
     layouts: Layouts,
     picture: Passes,
     mask: Passes,
+    overlay: OverlayPass,
     tone: TonePass,
     samples: u32,
     format: wgpu::TextureFormat,
@@ -39,6 +42,8 @@ pub struct Shot<'a> {
     pub method: Method,
     /// Exposure and fading.
     pub look: &'a Look,
+    /// Drawn last, over the lit picture.
+    pub overlay: Option<&'a Overlay>,
 }
 
 /// A finished picture.
@@ -88,8 +93,9 @@ impl Renderer {
         let picture = passes(Output::Picture, samples);
         // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
         let mask = passes(Output::Mask, 1);
+        let overlay = OverlayPass::new(&gpu, &layouts, samples);
         let tone = TonePass::new(&gpu, &layouts, format);
-        Self { gpu, layouts, picture, mask, tone, samples, format }
+        Self { gpu, layouts, picture, mask, overlay, tone, samples, format }
     }
 
     /// The device.
@@ -115,9 +121,21 @@ impl Renderer {
         method: Method,
         look: &Look,
     ) -> Result<Picture, GpuError> {
+        self.picture_of(&Shot { scene, casters, camera, lights, method, look, overlay: None }).await
+    }
+
+    /// Like [`Renderer::picture`], with all that a frame can show.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::picture`].
+    ///
+    /// # Panics
+    ///
+    /// As [`Renderer::picture`].
+    pub async fn picture_of(&self, shot: &Shot<'_>) -> Result<Picture, GpuError> {
         assert_eq!(self.format, PICTURE_FORMAT, "pictures are read back as sRGB bytes");
-        let shot = Shot { scene, casters, camera, lights, method, look };
-        let targets = Targets::new(&self.gpu, Output::Picture, camera.size_px(), self.samples)?;
+        let targets = Targets::new(&self.gpu, Output::Picture, shot.camera.size_px(), self.samples)?;
         let finished = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("picture"),
             size: targets.resolved.size(),
@@ -130,9 +148,9 @@ impl Renderer {
         });
         let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
 
-        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(lights.len()));
+        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len()));
         let mut encoder = self.encoder("picture");
-        let reports = self.record(&shot, &targets, &to, &mut encoder, &mut timer)?;
+        let reports = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
@@ -177,7 +195,9 @@ impl Renderer {
             .map(|light| self.prepare_light(shot.casters, &seen, shot.camera, light, shot.method))
             .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
         let view = self.view_group(shot.camera, shot.look);
-        let frame = Frame { targets, scene: shot.scene, view: &view, lights: &lights };
+        let overlay = shot.overlay.map(|overlay| self.upload_overlay(overlay, shot.camera)).transpose()?;
+        let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
+        let frame = Frame { targets, scene: shot.scene, view: &view, lights: &lights, overlay };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
@@ -205,7 +225,7 @@ impl Renderer {
         let view = self.view_group(camera, &look);
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(1));
         let mut encoder = self.encoder("mask");
-        let frame = Frame { targets: &targets, scene, view: &view, lights: &[frame_light] };
+        let frame = Frame { targets: &targets, scene, view: &view, lights: &[frame_light], overlay: None };
         frame::record(&self.mask, frame, &mut encoder, &mut timer);
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
         self.gpu.queue.submit([encoder.finish()]);
@@ -234,6 +254,12 @@ impl Renderer {
             volumes: GpuVolumes::new(&self.gpu, &volumes)?,
         };
         Ok((frame_light, LightReport { casters: volumes.casters, cpu_ms }))
+    }
+
+    fn upload_overlay(&self, overlay: &Overlay, camera: &Camera) -> Result<GpuOverlay, GpuError> {
+        let size_px = camera.size_px();
+        let pixel_at_1 = 2.0 * camera.half_extent().y / f64::from(size_px[1]);
+        self.overlay.upload(&self.gpu, overlay, size_px, pixel_at_1)
     }
 
     fn view_group(&self, camera: &Camera, look: &Look) -> wgpu::BindGroup {

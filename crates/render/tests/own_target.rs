@@ -59,6 +59,7 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         lights: &lights,
         method: Method::Auto,
         look: &look,
+        overlay: None,
     };
     let to = own.create_view(&wgpu::TextureViewDescriptor::default());
     windowed.draw(&shot, &targets, &to).expect("a small scene");

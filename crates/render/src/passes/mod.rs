@@ -1,11 +1,13 @@
 //! The passes. Each owns its pipelines: `new` compiles, `draw` records.
 
 mod light;
+mod overlay;
 mod surface;
 mod tone;
 mod volumes;
 
 pub(crate) use light::LightPass;
+pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
 pub(crate) use volumes::{GpuVolumes, VolumePass};
