@@ -48,17 +48,18 @@ pub struct CaseChooser {
 /// and z-fail, to which doubt leads, is always right.
 const SLACK: f64 = 4e-6;
 
+/// The distance, in metres, by which regions are widened for a camera and a light among casters that lie in `scene`.
+pub(crate) fn slack_m(camera: &Camera, light: LightPosition, scene: &Bounds) -> f64 {
+    let l = light.homogeneous();
+    let reach = |p: DVec3| p.abs().max_element();
+    let of_scene = if scene.is_empty() { 0.0 } else { reach(scene.min).max(reach(scene.max)) };
+    SLACK * reach(camera.eye()).max(reach(l.truncate() * l.w)).max(of_scene)
+}
+
 impl CaseChooser {
     /// For a camera and a light in the same space as the casters, which all lie in `scene`.
     pub fn new(camera: &Camera, light: LightPosition, scene: &Bounds) -> Self {
-        let l = light.homogeneous();
-        let reach = |p: DVec3| p.abs().max_element();
-        let scale = reach(camera.eye()).max(reach(l.truncate() * l.w)).max(if scene.is_empty() {
-            0.0
-        } else {
-            reach(scene.min).max(reach(scene.max))
-        });
-        let slack = SLACK * scale;
+        let slack = slack_m(camera, light, scene);
         Self { view: view_region(camera, slack), near_pyramid: near_pyramid(camera, light, slack) }
     }
 
@@ -86,7 +87,7 @@ impl CaseChooser {
 }
 
 /// What the camera sees: beyond the near plane and within the four sides.
-fn view_region(camera: &Camera, slack: f64) -> ConvexRegion {
+pub(crate) fn view_region(camera: &Camera, slack: f64) -> ConvexRegion {
     let eye = camera.eye();
     let [_, _, forward] = camera.axes();
     let rectangle = camera.near_rectangle();

@@ -22,6 +22,16 @@ impl ConvexRegion {
         }
     }
 
+    /// Whether the homogeneous point is in the region; one at infinity (`w = 0`) is where the region reaches to infinity that way.
+    pub fn contains(&self, point: DVec4) -> bool {
+        self.planes.iter().all(|plane| plane.dot(point) >= 0.0)
+    }
+
+    /// The planes, each with its unit normal inwards.
+    pub fn planes(&self) -> &[DVec4] {
+        &self.planes
+    }
+
     /// `false` only when no point of `bounds` is in the region. Looks at one plane at a time, so a box near a corner of the
     /// region may pass though it misses.
     pub fn may_meet_box(&self, bounds: &Bounds) -> bool {
