@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
-use umbrae_render::{AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, compare};
+use umbrae_render::{AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Overlay, Picture, Renderer, Shot, compare};
 use web_time::Instant;
 
 use crate::cli::{Method, RenderArgs};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
 use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::show::{Show, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under, lights};
@@ -64,8 +65,11 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, method: args.method.into(), look };
 
     let start = Instant::now();
-    let picture = stage.picture()?;
+    let show = args.show.map(|mode| Show::new(mode, stage.subject(ground.is_some()), args.show_light.as_deref()));
+    let show = show.transpose()?;
+    let mut picture = stage.picture(show.as_ref().and_then(Show::overlay))?;
     times.picture = ms_since(start);
+    let show = show.map(|show| show.finish(&mut picture.rgba, None));
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
@@ -83,6 +87,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         camera: CameraReport::new(&camera, origin),
         samples: args.samples,
         method: method_name(args.method),
+        show,
         lights: (stage.lights.iter().zip(&picture.lights))
             .map(|(light, report)| LightJson::new(light, report, &stage.casters, origin))
             .collect(),
@@ -100,10 +105,23 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
 }
 
 impl Stage {
-    fn picture(&self) -> anyhow::Result<Picture> {
-        let drawn =
-            self.renderer.picture(&self.gpu_scene, &self.casters, &self.camera, &self.lights, self.method, &self.look);
-        Ok(pollster::block_on(drawn)?)
+    fn picture(&self, overlay: Option<&Overlay>) -> anyhow::Result<Picture> {
+        let shot = Shot {
+            scene: &self.gpu_scene,
+            casters: &self.casters,
+            camera: &self.camera,
+            lights: &self.lights,
+            method: self.method,
+            look: &self.look,
+            overlay,
+        };
+        Ok(pollster::block_on(self.renderer.picture_of(&shot))?)
+    }
+
+    /// What `--show` shows; the ground, if there is one, was added last.
+    fn subject(&self, has_ground: bool) -> Subject<'_> {
+        let ground = self.casters.len().checked_sub(1).filter(|_| has_ground);
+        Subject { casters: &self.casters, ground, camera: &self.camera, lights: &self.lights }
     }
 
     fn mask(&self, light: &Light) -> anyhow::Result<Mask> {

@@ -26,7 +26,7 @@ pub(crate) fn draw_counts(canvas: &mut Canvas<'_>, counts: &[i32], light: &str) 
         let such = counts.iter().filter(|&&count| is_such(count)).count();
         format!("{:.1} % of the picture", 100.0 * such as f64 / counts.len().max(1) as f64)
     };
-    let mut legend = Legend::new(format!("Stencil count: shadow volumes around each visible point, light `{light}`"))
+    let mut legend = Legend::new(format!("Stencil count: shadow volumes around what is seen, under {light}"))
         .entry(Swatch::Area(LIT), format!("0: lit, {}", of_pixels(&|count| count == 0)));
     if most <= MOST_SINGLE_COUNTS {
         for count in 1..=most {
@@ -114,7 +114,7 @@ pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[f32], light: &str) -> L
     let untouched = fill.iter().filter(|&&fragments| fragments <= 0.0).count();
     let pixels = fill.len().max(1) as f64;
     let colors = (0..FILL_STEPS).map(|i| FillScale::color_at(i as f64 / (FILL_STEPS - 1) as f64)).collect();
-    Legend::new(format!("Fill: fragments of shadow volumes rasterised per pixel, light `{light}`"))
+    Legend::new(format!("Fill: fragments of shadow volumes rasterised per pixel, under {light}"))
         .scale(Scale { colors, ticks: scale.ticks() })
         .entry(Swatch::Area(UNTOUCHED), format!("none: {:.1} % of the picture", 100.0 * untouched as f64 / pixels))
         .text(format!(

@@ -31,6 +31,15 @@ pub(super) struct Layout {
     lines: Vec<Line>,
 }
 
+/// One text in its place.
+#[derive(Debug)]
+pub(super) struct Text<'a> {
+    pub(super) area: Area,
+    pub(super) text: &'a str,
+    style: TextStyle,
+    ink: Rgb,
+}
+
 #[derive(Debug)]
 struct Line {
     /// Pixels of air above it.
@@ -146,21 +155,21 @@ impl Layout {
         })
     }
 
-    /// Each text, a scale's numbers one by one, with the area that it has.
-    pub(super) fn texts(&self) -> Vec<(Area, String)> {
+    /// Each text, a scale's numbers one by one.
+    pub(super) fn texts(&self) -> Vec<Text<'_>> {
         let mut texts = Vec::new();
         for (left, top, content) in self.placed() {
-            let mut add = |x, text: &str, style: TextStyle| {
-                texts.push((Area::new(x, top, style.width(text), style.line_height()), text.to_owned()));
+            let mut add = |x, text, style: TextStyle, ink| {
+                texts.push(Text { area: Area::new(x, top, style.width(text), style.line_height()), text, style, ink });
             };
             match content {
-                Content::Title(text) => add(left, text, self.bold),
-                Content::Text(text) => add(left, text, self.plain),
-                Content::Entry(_, text) => add(left + self.text_indent(), text, self.plain),
+                Content::Title(text) => add(left, text, self.bold, INK),
+                Content::Text(text) => add(left, text, self.plain, QUIET_INK),
+                Content::Entry(_, text) => add(left + self.text_indent(), text, self.plain, INK),
                 Content::Bar(_) => {}
                 Content::Ticks(ticks) => {
                     for (x, text) in self.readable_ticks(left, ticks) {
-                        add(x, text, self.plain);
+                        add(x, text, self.plain, INK);
                     }
                 }
             }
@@ -195,21 +204,13 @@ impl Layout {
         canvas.fill(self.panel(), PANEL, PANEL_OPACITY);
         for (left, top, content) in self.placed() {
             match content {
-                Content::Title(text) => canvas.text(left, top, text, self.bold, INK),
-                Content::Text(text) => canvas.text(left, top, text, self.plain, QUIET_INK),
-                Content::Entry(swatch, text) => {
-                    if let Some(swatch) = swatch {
-                        self.draw_swatch(canvas, left, top, *swatch);
-                    }
-                    canvas.text(left + self.text_indent(), top, text, self.plain, INK);
-                }
+                Content::Entry(Some(swatch), _) => self.draw_swatch(canvas, left, top, *swatch),
                 Content::Bar(colors) => self.draw_bar(canvas, left, top, colors),
-                Content::Ticks(ticks) => {
-                    for (x, text) in self.readable_ticks(left, ticks) {
-                        canvas.text(x, top, text, self.plain, INK);
-                    }
-                }
+                _ => {}
             }
+        }
+        for Text { area, text, style, ink } in self.texts() {
+            canvas.text(area.x, area.y, text, style, ink);
         }
     }
 

@@ -117,9 +117,9 @@ mod tests {
         for size in [[64, 48], [100, 400], [160, 90], [320, 180], [960, 540], [1280, 720], [3840, 2160], [400, 100]] {
             let layout = legend().layout(size).unwrap_or_else(|| panic!("{size:?} has room for a word"));
             assert!(layout.panel().is_within(size), "{:?} in {size:?}", layout.panel());
-            for (area, text) in layout.texts() {
-                assert!(area.is_within(size), "`{text}` at {area:?} in {size:?}");
-                assert!(!text.is_empty());
+            for text in layout.texts() {
+                assert!(text.area.is_within(size), "{text:?} in {size:?}");
+                assert!(!text.text.is_empty());
             }
         }
     }
@@ -128,7 +128,7 @@ mod tests {
     fn all_of_it_is_said_in_pictures_of_usual_size() {
         for size in [[640, 360], [960, 540], [1280, 720], [720, 1280], [3840, 2160]] {
             let layout = legend().layout(size).expect("there is room");
-            let said: Vec<String> = layout.texts().into_iter().map(|(_, text)| text).collect();
+            let said: Vec<&str> = layout.texts().iter().map(|text| text.text).collect();
             let said = said.join(" ");
             for word in ["Cases", "sun", "drawn", "sides", "(7)", "a line", "0", "middling", "2"] {
                 assert!(said.contains(word), "{word} in {size:?}: {said}");
@@ -140,13 +140,14 @@ mod tests {
     #[test]
     fn texts_of_a_legend_do_not_lie_on_each_other() {
         for size in [[160, 90], [1280, 720]] {
-            let texts = legend().layout(size).expect("there is room").texts();
+            let layout = legend().layout(size).expect("there is room");
+            let texts = layout.texts();
             let meet = |a: &Area, b: &Area| {
                 a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height
             };
-            for (i, (a, first)) in texts.iter().enumerate() {
-                for (b, second) in &texts[i + 1..] {
-                    assert!(!meet(a, b), "`{first}` and `{second}` in {size:?}");
+            for (i, first) in texts.iter().enumerate() {
+                for second in &texts[i + 1..] {
+                    assert!(!meet(&first.area, &second.area), "{first:?} and {second:?} in {size:?}");
                 }
             }
         }
@@ -166,7 +167,7 @@ mod tests {
         legend().draw(&mut Canvas::new(&mut rgba, [width as u32, height as u32]));
         for color in [[70, 130, 220], [220, 70, 70], [90, 90, 90], [200, 200, 200]] {
             let pixels = rgba.chunks_exact(4).filter(|pixel| pixel[..3] == color).count();
-            assert!(pixels > 30, "{pixels} pixels of {color:?}");
+            assert!(pixels > 20, "{pixels} pixels of {color:?}");
         }
     }
 }

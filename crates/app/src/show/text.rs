@@ -123,7 +123,10 @@ mod tests {
                 for character in ['M', 'g', 'Å', '@', '|'] {
                     let mut ink = 0.0;
                     style.for_each_pixel(character, |x, y, opacity| {
-                        assert!((0..style.advance()).contains(&x) && (0..height).contains(&y), "{character} at {x},{y}");
+                        assert!(
+                            (0..style.advance()).contains(&x) && (0..height).contains(&y),
+                            "{character} at {x},{y}"
+                        );
                         assert!((0.0..=1.0).contains(&opacity));
                         ink += opacity;
                     });
