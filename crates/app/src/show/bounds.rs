@@ -1,7 +1,7 @@
 //! Where one light reaches, in space and in the picture, and the rectangles to which its volumes are confined.
 
 use glam::DVec4;
-use umbrae_core::{Light, PixelRect, RayCaster, Reach};
+use umbrae_core::{Light, PixelRect, Reach};
 use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 
 use super::canvas::{Area, Canvas, Rgb};
@@ -114,7 +114,7 @@ fn area_of(rect: &PixelRect) -> Area {
 
 /// Dims each pixel in which no surface within `reach` is seen, by a ray through its centre; returns how many per cent of the picture are left.
 fn dim_beyond(canvas: &mut Canvas<'_>, subject: &Subject<'_>, reach: &Reach) -> f64 {
-    let rays = RayCaster::new(subject.casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
+    let rays = subject.rays();
     let camera = subject.camera;
     let mut reached = 0_u64;
     for y in 0..canvas.height() {

@@ -104,12 +104,14 @@ impl Layout {
         self.plain.line_height() / 2
     }
 
-    /// Without the lines from the first on that has no room; `None` where no word would be left.
+    /// Without the last lines, as many as would cover more than half of the picture; `None` where no word would be left.
     pub(super) fn cut_to(mut self, picture_px: [i32; 2]) -> Option<Self> {
         if self.columns < LEAST_WORD {
             return None;
         }
-        while !self.lines.is_empty() && !self.panel().is_within(picture_px) {
+        let [width, height] = picture_px;
+        let is_good = |panel: Area| panel.is_within(picture_px) && 2 * panel.width * panel.height <= width * height;
+        while !self.lines.is_empty() && !is_good(self.panel()) {
             self.lines.pop();
             // A bar without its numbers says nothing.
             if matches!(self.lines.last(), Some(Line { content: Content::Bar(_), .. })) {

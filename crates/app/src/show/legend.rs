@@ -72,7 +72,7 @@ impl Legend {
     }
 
     /// Draws the legend into the top left corner: as large as reads well, smaller where it would cover more than two fifths of the picture, and in a
-    /// picture too small for all of it, as many lines as have room.
+    /// picture too small for all of it, as many lines as leave half of it free.
     pub(crate) fn draw(&self, canvas: &mut Canvas<'_>) {
         if let Some(layout) = self.layout([canvas.width(), canvas.height()]) {
             layout.draw(canvas);

@@ -19,7 +19,7 @@ mod text;
 use anyhow::bail;
 use clap::ValueEnum;
 use serde::Serialize;
-use umbrae_core::{Camera, Caster, Light};
+use umbrae_core::{Camera, Caster, Light, RayCaster};
 use umbrae_render::Overlay;
 
 use canvas::Canvas;
@@ -63,6 +63,11 @@ impl<'a> Subject<'a> {
     fn models(&self) -> impl Iterator<Item = (usize, &'a Caster)> + use<'a> {
         let ground = self.ground;
         self.casters.iter().enumerate().filter(move |(i, _)| Some(*i) != ground)
+    }
+
+    /// To find what is seen.
+    fn rays(&self) -> RayCaster {
+        RayCaster::new(self.casters.iter().map(|caster| (caster.positions.as_slice(), caster.mesh.triangles())))
     }
 }
 

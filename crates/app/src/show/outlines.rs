@@ -47,11 +47,13 @@ impl<'a> Outlines<'a> {
     }
 }
 
-/// A side seen through this many others is still seen: what one covers depends on how many there are.
-const FAINTEST: f32 = 0.055;
-const STRONGEST: f32 = 0.20;
-/// As many layers as half the picture's volumes cover together leave this much of the picture to be seen.
-const LEFT_TO_SEE: f32 = 0.45;
+/// One side covers as much as leaves this much to see through as many as lie behind each other in a crowded part of the picture…
+const LEFT_TO_SEE: f32 = 0.35;
+/// …which is more crowded than this share of all parts that have any…
+const CROWDED: f64 = 0.85;
+/// …but between these.
+const FAINTEST: f32 = 0.004;
+const STRONGEST: f32 = 0.2;
 
 /// The sides of all shadow volumes, translucent. Caps are left out: the light cap lies on the caster, and the dark cap is at infinity.
 pub(super) fn volumes(subject: &Subject<'_>, lights: &[&Light]) -> (Overlay, Legend) {
@@ -79,40 +81,65 @@ pub(super) fn volumes(subject: &Subject<'_>, lights: &[&Light]) -> (Overlay, Leg
     (overlay, legend)
 }
 
-/// How many sides lie behind each other on the rays of the picture that meet any, on average.
+/// Rays across and down.
+const RAYS: [usize; 2] = [24, 14];
+/// Enough for a number that is only to choose an opacity.
+const MOST_SIDES_LOOKED_AT: usize = 20_000;
+
+/// How many sides lie in front of what is seen, in a crowded part of the picture.
 fn layers(subject: &Subject<'_>, quads: &[[DVec4; 4]]) -> f32 {
     let camera = subject.camera;
     let clip_from_world = camera.clip_from_world();
-    // Enough for a mean that is only to choose an opacity.
+    let in_view = |p: DVec4| DVec4 { z: p.w, ..clip_from_world * p };
     let every = quads.len().div_ceil(MOST_SIDES_LOOKED_AT).max(1);
-    let looked_at: Vec<[DVec4; 4]> =
-        quads.iter().step_by(every).map(|quad| quad.map(|p| clip_from_world * p)).collect();
+    let sides: Vec<Side> = quads.iter().step_by(every).map(|quad| Side::new(quad.map(in_view))).collect();
+    let surfaces = subject.rays();
+    let [width, height] = camera.size_px().map(f64::from);
     let [columns, rows] = RAYS;
     let mut counts = Vec::new();
-    for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
-        let place = |i: usize, n: usize| (2 * i + 1) as f64 / n as f64 - 1.0;
-        let (x, y) = (place(x, columns), place(y, rows));
-        let met = looked_at.iter().filter(|quad| is_met(quad, x, y)).count() * every;
-        counts.extend((met > 0).then_some(met as f32));
+    for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+        let (x, y) = ((i as f64 + 0.5) / columns as f64, (j as f64 + 0.5) / rows as f64);
+        let direction = camera.ray_direction(x * width, y * height);
+        let hit = surfaces.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY);
+        let depth = hit.map_or(f64::INFINITY, |hit| hit.t);
+        let is_in_front = |side: &&Side| side.depth_at(2.0 * x - 1.0, 1.0 - 2.0 * y).is_some_and(|d| d < depth);
+        let met = sides.iter().filter(is_in_front).count() * every;
+        counts.extend((met > 0).then_some(met));
     }
-    counts.iter().sum::<f32>().max(1.0) / counts.len().max(1) as f32
+    counts.sort_unstable();
+    counts.get((CROWDED * counts.len() as f64) as usize).map_or(1.0, |&count| count as f32)
 }
 
-/// Rays across and down.
-const RAYS: [usize; 2] = [20, 12];
-const MOST_SIDES_LOOKED_AT: usize = 20_000;
+/// A flat face with four corners, some of which may be at infinity: x and y of clip space, the homogeneous coordinate, and view depth.
+struct Side {
+    corners: [DVec4; 4],
+    /// Its points p have `plane . p = 0`.
+    plane: DVec4,
+}
 
-/// Whether the ray through the picture at `(x, y)`, each -1 to 1, meets a convex face with these corners in clip space, in front of the eye.
-fn is_met(corners: &[DVec4; 4], x: f64, y: f64) -> bool {
-    // From where the ray is the axis.
-    let flat = corners.map(|c| [c.x - x * c.w, c.y - y * c.w, c.w]);
-    let turn = |i: usize| {
-        let ([ax, ay, _], [bx, by, _]) = (flat[i], flat[(i + 1) % 4]);
-        ax * by - ay * bx
-    };
-    let turns = [turn(0), turn(1), turn(2), turn(3)];
-    let is_around = turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0);
-    is_around && turns.iter().any(|&t| t != 0.0) && flat.iter().any(|corner| corner[2] > 0.0)
+impl Side {
+    fn new(corners: [DVec4; 4]) -> Self {
+        let [a, b, _, d] = corners;
+        let minor = |dropped: usize| {
+            let [a, b, d] = [a, b, d].map(|p| DVec3::from_array([0, 1, 2].map(|i| p[i + usize::from(i >= dropped)])));
+            a.dot(b.cross(d))
+        };
+        Self { corners, plane: DVec4::new(minor(0), -minor(1), minor(2), -minor(3)) }
+    }
+
+    /// The view depth at which the ray through the picture at `(x, y)`, each -1 to 1, meets the face; `None` where it misses.
+    fn depth_at(&self, x: f64, y: f64) -> Option<f64> {
+        // From where the ray is the axis.
+        let flat = self.corners.map(|c| [c.x - x * c.w, c.y - y * c.w]);
+        let turns: [f64; 4] = std::array::from_fn(|i| {
+            let ([ax, ay], [bx, by]) = (flat[i], flat[(i + 1) % 4]);
+            ax * by - ay * bx
+        });
+        let is_around = turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0);
+        // The point of the ray at depth d is (x d, y d, 1, d).
+        let depth = -self.plane.z / (self.plane.x * x + self.plane.y * y + self.plane.w);
+        (is_around && depth > 0.0).then_some(depth)
+    }
 }
 
 /// Lines of 2.5 pixels may cover this share of the picture; where there are more of them, they are thinner, but no thinner than this.
@@ -138,10 +165,9 @@ fn line_width_px(subject: &Subject<'_>, lines: &[[OverlayVertex; 2]], widest_px:
 /// The silhouette edges of all casters.
 pub(super) fn silhouettes(subject: &Subject<'_>, lights: &[&Light]) -> (Overlay, Legend) {
     let mut overlay = Overlay { hidden_opacity: 0.22, ..Overlay::default() };
-    let (mut single, mut multiple, mut all) = (0, 0, 0);
+    let (mut single, mut multiple) = (0, 0);
     for light in lights {
         for (caster, edges) in &Outlines::new(subject, light).casters {
-            all += caster.topology.edges().len();
             for edge in edges {
                 let color = if edge.multiplicity == 1 { SILHOUETTE } else { MULTIPLE };
                 *(if edge.multiplicity == 1 { &mut single } else { &mut multiple }) += 1;
@@ -162,8 +188,11 @@ pub(super) fn silhouettes(subject: &Subject<'_>, lights: &[&Light]) -> (Overlay,
         let meaning = format!("edges that count more than once, as in open models: {}", counted(multiple, "edge"));
         legend = legend.entry(Swatch::Line(MULTIPLE), meaning);
     }
-    let share = 100.0 * (single + multiple) as f64 / all.max(1) as f64;
-    legend = legend.text(format!("{share:.1} % of {}; faint where hidden", counted(all, "edge")));
+    let edges: usize = subject.models().map(|(_, caster)| caster.topology.edges().len()).sum();
+    let share = 100.0 * (single + multiple) as f64 / (edges * lights.len()).max(1) as f64;
+    let of_edges = format!("{share:.1} % of {}", counted(edges, "edge"));
+    let each = if lights.len() > 1 { " for each light" } else { "" };
+    legend = legend.text(format!("{of_edges}{each}; faint where hidden"));
     (overlay, legend)
 }
 
@@ -173,13 +202,26 @@ mod tests {
 
     #[test]
     fn a_ray_meets_a_face_in_front_of_the_eye_that_surrounds_it() {
-        let square =
-            |w: f64| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec4::new(x, y, 0.1, w));
-        assert!(is_met(&square(2.0), 0.1, 0.4));
-        assert!(!is_met(&square(2.0), 0.1, 0.6));
-        assert!(!is_met(&square(-2.0), 0.1, 0.1), "it is behind the eye");
-        let mut turned = square(2.0);
-        turned.reverse();
-        assert!(is_met(&turned, 0.1, 0.4));
+        let square = |depth: f64| {
+            Side::new([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec4::new(x, y, 1.0, depth)))
+        };
+        assert_eq!(square(2.0).depth_at(0.1, 0.4), Some(2.0));
+        assert_eq!(square(2.0).depth_at(0.1, 0.6), None);
+        assert_eq!(square(-2.0).depth_at(0.1, 0.1), None, "it is behind the eye");
+    }
+
+    #[test]
+    fn a_ray_meets_a_side_that_ends_at_infinity() {
+        // From an edge at depth 3, below the eye's level, away into the picture.
+        let side = Side::new([
+            DVec4::new(-1.0, -1.0, 1.0, 3.0),
+            DVec4::new(1.0, -1.0, 1.0, 3.0),
+            DVec4::new(0.0, 0.0, 0.0, 1.0),
+            DVec4::new(0.0, 0.0, 0.0, 1.0),
+        ]);
+        let depth = side.depth_at(0.0, -0.1).expect("it is met");
+        assert!((depth - 10.0).abs() < 1e-12, "one below the eye at a tenth of the depth: {depth}");
+        assert_eq!(side.depth_at(0.0, -0.4), None, "before the edge");
+        assert_eq!(side.depth_at(0.0, 0.1), None, "above the horizon");
     }
 }
