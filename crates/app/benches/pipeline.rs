@@ -18,7 +18,7 @@ use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, Mesh, Object, Scene, ShadowVolume, Surface, Topology, Windings, silhouette,
 };
 use umbrae_formats::{LoadOptions, load};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, PassTime, Renderer};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, PassTime, Renderer, ShadowOptions, Shot};
 use web_time::Instant;
 
 const SIZE_PX: [u32; 2] = [1280, 720];
@@ -287,7 +287,9 @@ impl Drawing {
 
     fn passes(&self, stage: &Stage, method: Method, pictures: usize) -> anyhow::Result<Passes> {
         let Stage { casters, camera, lights, look, .. } = stage;
-        let draw = || pollster::block_on(self.renderer.picture(&self.scene, casters, camera, lights, method, look));
+        let shadows = ShadowOptions::from(method);
+        let shot = Shot { scene: &self.scene, casters, camera, lights, shadows, look, overlay: None };
+        let draw = || pollster::block_on(self.renderer.picture(&shot));
         // The first one compiles shaders.
         let mut runs = vec![once_ms(draw)];
         if pictures > 1 {
@@ -300,7 +302,7 @@ impl Drawing {
             ms: median(pictures.iter().map(|picture| picture.passes[i].ms)),
         });
         let reports = || pictures[0].lights.iter().flat_map(|light| &light.casters);
-        let zpass = reports().filter(|report| report.case.number() == 1).count();
+        let zpass = reports().filter(|report| report.case() == Some(umbrae_core::Case::Pass)).count();
         Ok(Passes {
             gpu: gpu.collect(),
             cpu_ms: median(pictures.iter().map(|picture| picture.lights.iter().map(|light| light.cpu_ms).sum())),

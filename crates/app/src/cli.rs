@@ -246,6 +246,13 @@ impl RenderArgs {
     }
 }
 
+impl RenderArgs {
+    /// How shadows are to be determined.
+    pub fn shadow_options(&self) -> umbrae_render::ShadowOptions {
+        umbrae_render::ShadowOptions::from(umbrae_render::Method::from(self.method))
+    }
+}
+
 impl From<Up> for umbrae_formats::UpAxis {
     fn from(up: Up) -> Self {
         match up {

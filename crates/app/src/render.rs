@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
-use umbrae_render::{AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Overlay, Picture, Renderer, Shot, compare};
+use umbrae_render::{
+    AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
+};
 use web_time::Instant;
 
 use crate::cli::{Method, RenderArgs};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
 use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
-use crate::show::{Show, Subject};
+use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under, lights};
@@ -24,7 +26,7 @@ struct Stage {
     casters: Vec<Caster>,
     camera: Camera,
     lights: Vec<Light>,
-    method: umbrae_render::Method,
+    shadows: ShadowOptions,
     look: Look,
 }
 
@@ -62,14 +64,14 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
     times.upload = ms_since(start);
     let look = Look::for_model(&model, &lights);
-    let stage = Stage { renderer, gpu_scene, casters, camera, lights, method: args.method.into(), look };
+    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 
     let start = Instant::now();
-    let show = args.show.map(|mode| Show::new(mode, stage.subject(ground.is_some()), args.show_light.as_deref()));
-    let show = show.transpose()?;
-    let mut picture = stage.picture(show.as_ref().and_then(Show::overlay))?;
+    let mut picture = stage.picture()?;
     times.picture = ms_since(start);
-    let show = show.map(|show| show.finish(&mut picture.rgba, None));
+    let has_ground = ground.is_some();
+    let show =
+        args.show.map(|mode| stage.show(mode, args.show_light.as_deref(), has_ground, &mut picture)).transpose()?;
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
@@ -105,28 +107,54 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
 }
 
 impl Stage {
-    fn picture(&self, overlay: Option<&Overlay>) -> anyhow::Result<Picture> {
-        let shot = Shot {
+    fn picture(&self) -> anyhow::Result<Picture> {
+        Ok(pollster::block_on(self.renderer.picture(&self.shot()))?)
+    }
+
+    fn mask(&self, light: &Light) -> anyhow::Result<Mask> {
+        Ok(pollster::block_on(self.renderer.mask(&self.shot(), light))?)
+    }
+
+    /// Makes `picture` one that shows `mode`. The ground, if there is one, was added last.
+    fn show(
+        &self,
+        mode: show::Mode,
+        light: Option<&str>,
+        has_ground: bool,
+        picture: &mut Picture,
+    ) -> anyhow::Result<ShowReport> {
+        let subject = Subject {
+            casters: &self.casters,
+            ground: self.casters.len().checked_sub(1).filter(|_| has_ground),
+            camera: &self.camera,
+            lights: &self.lights,
+            reports: &picture.lights,
+        };
+        let show = Show::new(mode, subject, light)?;
+        if let Some(overlay) = show.overlay() {
+            let shot = Shot { overlay: Some(overlay), ..self.shot() };
+            picture.rgba = pollster::block_on(self.renderer.picture(&shot))?.rgba;
+        }
+        let numbers = match show.counted_light() {
+            Some((light, show::Mode::Counts)) => {
+                Numbers::Counts(pollster::block_on(self.renderer.counts(&self.shot(), light))?)
+            }
+            Some((light, _)) => Numbers::Fill(pollster::block_on(self.renderer.fill(&self.shot(), light))?),
+            None => Numbers::None,
+        };
+        Ok(show.finish(&mut picture.rgba, &numbers))
+    }
+
+    fn shot(&self) -> Shot<'_> {
+        Shot {
             scene: &self.gpu_scene,
             casters: &self.casters,
             camera: &self.camera,
             lights: &self.lights,
-            method: self.method,
+            shadows: self.shadows,
             look: &self.look,
-            overlay,
-        };
-        Ok(pollster::block_on(self.renderer.picture_of(&shot))?)
-    }
-
-    /// What `--show` shows; the ground, if there is one, was added last.
-    fn subject(&self, has_ground: bool) -> Subject<'_> {
-        let ground = self.casters.len().checked_sub(1).filter(|_| has_ground);
-        Subject { casters: &self.casters, ground, camera: &self.camera, lights: &self.lights }
-    }
-
-    fn mask(&self, light: &Light) -> anyhow::Result<Mask> {
-        let drawn = self.renderer.mask(&self.gpu_scene, &self.casters, &self.camera, light, self.method);
-        Ok(pollster::block_on(drawn)?)
+            overlay: None,
+        }
     }
 }
 

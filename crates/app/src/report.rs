@@ -156,8 +156,9 @@ impl LightJson {
 #[derive(Debug, Serialize)]
 pub struct CasterJson {
     name: String,
-    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail.
-    case: u32,
+    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    case: Option<u32>,
     silhouette_edges: usize,
     triangles: TrianglesByPart,
 }
@@ -173,7 +174,7 @@ impl CasterJson {
     fn new(name: &str, report: &CasterReport) -> Self {
         Self {
             name: name.to_owned(),
-            case: report.case.number(),
+            case: report.case().map(umbrae_core::Case::number),
             silhouette_edges: report.silhouette_edges,
             triangles: TrianglesByPart {
                 sides: report.side_triangles,

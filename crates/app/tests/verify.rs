@@ -16,7 +16,7 @@ use umbrae::talk::Talk;
 use umbrae::verify::error_picture;
 use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{Bounds, Camera, Caster, Judgement, Light, LightPosition, Oracle, Scene};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, compare};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, compare};
 
 const SIZE_PX: [u32; 2] = [320, 240];
 /// Of the surface pixels of the median model.
@@ -137,14 +137,25 @@ fn verify(renderer: &Renderer, name: String, mut scene: Scene) -> Line {
         let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             for method in [Method::Auto, Method::ZFail] {
-                let drawn = renderer.mask(&gpu_scene, &casters, &camera, light, method);
-                let mask = pollster::block_on(drawn).unwrap();
+                let shadows = ShadowOptions::from(method);
+                let shot = Shot {
+                    scene: &gpu_scene,
+                    casters: &casters,
+                    camera: &camera,
+                    lights: &[],
+                    shadows,
+                    look: &Look::NONE,
+                    overlay: None,
+                };
+                let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);
                 line.masks += 1;
                 line.surface += comparison.surface;
                 line.decided += comparison.decided;
-                line.needed_zfail +=
-                    usize::from(method == Method::Auto && mask.light.casters.iter().any(|c| c.case.number() > 1));
+                line.needed_zfail += usize::from(
+                    method == Method::Auto
+                        && mask.light.casters.iter().any(|c| c.case().is_some_and(|case| case.number() > 1)),
+                );
                 line.wrong += comparison.errors.len();
                 if let Some(first) = comparison.errors.first() {
                     let (x, y) = (first % SIZE_PX[0] as usize, first / SIZE_PX[0] as usize);

@@ -42,6 +42,23 @@ impl ConvexRegion {
         })
     }
 
+    /// Whether the region and the closed segment have a point in common.
+    pub fn meets_segment(&self, ends: [DVec3; 2]) -> bool {
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for plane in &self.planes {
+            let (start, end) = (distance(plane, ends[0]), distance(plane, ends[1]));
+            if start < 0.0 && end < 0.0 {
+                return false;
+            }
+            if start < 0.0 {
+                from = from.max(start / (start - end));
+            } else if end < 0.0 {
+                to = to.min(start / (start - end));
+            }
+        }
+        from <= to
+    }
+
     /// Whether the region and the closed triangle have a point in common.
     pub fn meets_triangle(&self, corners: [DVec3; 3]) -> bool {
         // Most triangles are outside one plane.

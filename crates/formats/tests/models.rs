@@ -101,5 +101,6 @@ fn cameras_and_lights_come_with_their_models() {
     let cameras = load(&folder.join("gltf/Cameras/Cameras.gltf"), &LoadOptions::default()).expect("it loads");
     assert_eq!(cameras.scene.cameras.len(), 1, "the other is orthographic");
     let lamp = load(&folder.join("gltf/LightsPunctualLamp.glb"), &LoadOptions::default()).expect("it loads");
-    assert!(!lamp.scene.lights.is_empty());
+    assert_eq!(lamp.scene.lights.len(), 5);
+    assert!(lamp.scene.lights.iter().all(|light| light.cone.is_none() && light.range_m.is_none()), "five bare points");
 }

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Overlay, OverlayColor, OverlayVertex, Renderer, Shot};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, Look, Overlay, OverlayColor, OverlayVertex, Renderer, ShadowOptions, Shot,
+};
 
 const SIZE_PX: [u32; 2] = [96, 64];
 const PINK: [u8; 3] = [220, 60, 160];
@@ -45,11 +47,11 @@ impl Stage {
             casters: &self.casters,
             camera: &self.camera,
             lights: &self.lights,
-            method: Method::Auto,
+            shadows: ShadowOptions::default(),
             look: &self.look,
             overlay,
         };
-        let picture = pollster::block_on(self.renderer.picture_of(&shot)).expect("a small picture");
+        let picture = pollster::block_on(self.renderer.picture(&shot)).expect("a small picture");
         picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect()
     }
 

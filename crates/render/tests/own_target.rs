@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Output, Renderer, Shot, Targets};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Output, Renderer, ShadowOptions, Shot, Targets};
 
 const SIZE_PX: [u32; 2] = [64, 48];
 
@@ -34,8 +34,17 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
 
     let headless = Renderer::new(gpu(), 4);
     let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials).expect("a small scene");
-    let picture = headless.picture(&uploaded, &casters, &camera, &lights, Method::Auto, &look);
-    let picture = pollster::block_on(picture).expect("a small picture");
+    let shadows = ShadowOptions::default();
+    let shot = Shot {
+        scene: &uploaded,
+        casters: &casters,
+        camera: &camera,
+        lights: &lights,
+        shadows,
+        look: &look,
+        overlay: None,
+    };
+    let picture = pollster::block_on(headless.picture(&shot)).expect("a small picture");
 
     let format = wgpu::TextureFormat::Bgra8UnormSrgb;
     let windowed = Renderer::for_format(gpu(), 4, format);
@@ -57,7 +66,7 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         casters: &casters,
         camera: &camera,
         lights: &lights,
-        method: Method::Auto,
+        shadows,
         look: &look,
         overlay: None,
     };

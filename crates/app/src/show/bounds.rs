@@ -5,7 +5,6 @@ use umbrae_core::{Light, PixelRect, Reach};
 use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 
 use super::canvas::{Area, Canvas, Rgb};
-use super::drawn::Drawn;
 use super::legend::{Legend, Swatch};
 use super::numbers::counted;
 use super::{Subject, quoted};
@@ -67,8 +66,8 @@ fn is_in_plane(p: DVec4, face: [DVec4; 3]) -> bool {
 }
 
 /// Draws the rectangles over a picture, and takes the colour from what the light does not reach.
-pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, drawn: &Drawn) -> Legend {
-    let light = &subject.lights[drawn.light];
+pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize) -> Legend {
+    let (light, report) = (&subject.lights[light], &subject.reports[light]);
     let mut legend = Legend::new(format!("Bounds of {}", quoted(&light.name)));
     if let Some(reach) = Reach::of(light) {
         let share = dim_beyond(canvas, subject, &reach);
@@ -81,7 +80,7 @@ pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, drawn: &Drawn
 
     // Larger rectangles first, so that small ones stay visible.
     let thickness = (canvas.height() / 360).max(1);
-    let mut rects: Vec<PixelRect> = drawn.caster_rects.iter().copied().flatten().collect();
+    let mut rects: Vec<PixelRect> = report.casters.iter().filter_map(|caster| caster.rect).collect();
     let of_whole = 100.0 / (f64::from(canvas.width()) * f64::from(canvas.height())).max(1.0);
     let percent = |rect: &PixelRect| rect.area() as f64 * of_whole;
     let volumes = rects.len();
@@ -93,11 +92,11 @@ pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, drawn: &Drawn
     for rect in &rects {
         canvas.frame(area_of(rect), thickness, CASTER_RECT, opacity);
     }
-    if let Some(rect) = &drawn.light_rect {
+    if let Some(rect) = &report.rect {
         canvas.frame(area_of(rect), 2 * thickness, LIGHT_RECT, 1.0);
     }
-    let of_light = drawn
-        .light_rect
+    let of_light = report
+        .rect
         .as_ref()
         .map_or("nothing: it is out of view".to_owned(), |rect| format!("{:.1} % of the picture", percent(rect)));
     legend.entry(Swatch::Frame(LIGHT_RECT), format!("scissor of the light: {of_light}")).entry(

@@ -70,8 +70,8 @@ const LINEAR_UP_TO: f64 = 24.0;
 const FILL_STEPS: usize = 96;
 
 impl FillScale {
-    fn new(fill: &[f32]) -> Self {
-        let most = f64::from(fill.iter().copied().fold(1.0, f32::max));
+    fn new(fill: &[u32]) -> Self {
+        let most = f64::from(fill.iter().copied().max().unwrap_or(0).max(1));
         Self { most, is_logarithmic: most > LINEAR_UP_TO }
     }
 
@@ -101,17 +101,17 @@ impl FillScale {
 /// Colours every pixel by how many fragments of volumes were rasterised there; where there was none, the scene is left in dark greys.
 ///
 /// `fill` has one entry for each pixel, row by row from the top.
-pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[f32], light: &str) -> Legend {
+pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[u32], light: &str) -> Legend {
     let scale = FillScale::new(fill);
     for_each_pixel(canvas, |canvas, x, y, pixel| {
-        if fill[pixel] > 0.0 {
+        if fill[pixel] > 0 {
             canvas.mix(x, y, FillScale::color_at(scale.place(fill[pixel].into())), 1.0);
         } else {
             set_grey(canvas, x, y, 0.16, 0.34);
         }
     });
-    let total: f64 = fill.iter().map(|&fragments| f64::from(fragments)).sum();
-    let untouched = fill.iter().filter(|&&fragments| fragments <= 0.0).count();
+    let total: u64 = fill.iter().map(|&fragments| u64::from(fragments)).sum();
+    let untouched = fill.iter().filter(|&&fragments| fragments == 0).count();
     let pixels = fill.len().max(1) as f64;
     let colors = (0..FILL_STEPS).map(|i| FillScale::color_at(i as f64 / (FILL_STEPS - 1) as f64)).collect();
     Legend::new(format!("Fill: fragments of shadow volumes rasterised per pixel, under {light}"))
@@ -119,8 +119,8 @@ pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[f32], light: &str) -> L
         .entry(Swatch::Area(UNTOUCHED), format!("none: {:.1} % of the picture", 100.0 * untouched as f64 / pixels))
         .text(format!(
             "{} fragments in all, {:.2} a pixel on average{}",
-            grouped(total.round() as u64),
-            total / pixels,
+            grouped(total),
+            total as f64 / pixels,
             if scale.is_logarithmic { "; logarithmic scale" } else { "" }
         ))
 }
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_logarithmic_scale_has_equal_steps_for_equal_factors() {
-        let fill: Vec<f32> = [0.0, 1.0, 3.0, 7.0, 15.0, 31.0, 63.0].to_vec();
+        let fill = [0, 1, 3, 7, 15, 31, 63];
         let scale = FillScale::new(&fill);
         assert!(scale.is_logarithmic);
         let places: Vec<f64> = fill.iter().map(|&f| scale.place(f.into())).collect();
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn a_few_fragments_have_a_scale_of_equal_steps() {
-        let scale = FillScale::new(&[0.0, 2.5, 10.0]);
+        let scale = FillScale::new(&[0, 3, 10]);
         assert_eq!((scale.place(0.0), scale.place(2.5), scale.place(10.0)), (0.0, 0.25, 1.0));
         assert_eq!(scale.ticks().first(), Some(&(0.0, "0".to_owned())));
         assert_eq!(scale.ticks().last(), Some(&(1.0, "10".to_owned())));
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn fill_says_total_and_mean_and_leaves_untouched_pixels_grey() {
-        let fill = [0.0, 4.0, 8.0, 0.0];
+        let fill = [0, 4, 8, 0];
         let (pixels, legend) = on_grey(4, |canvas| draw_fill(canvas, &fill, "sun"));
         assert!(is_grey(pixels[0]) && is_grey(pixels[3]));
         assert_eq!(pixels[2], FillScale::color_at(1.0));
@@ -243,7 +243,7 @@ mod tests {
     fn a_picture_without_any_shadow_has_a_legend_too() {
         let (_, legend) = on_grey(3, |canvas| draw_counts(canvas, &[0; 3], "sun"));
         assert!(legend.sentences().join("\n").contains("0: lit, 100.0 %"));
-        let (_, legend) = on_grey(3, |canvas| draw_fill(canvas, &[0.0; 3], "sun"));
+        let (_, legend) = on_grey(3, |canvas| draw_fill(canvas, &[0; 3], "sun"));
         assert!(legend.sentences().join("\n").contains("0 fragments in all"));
     }
 

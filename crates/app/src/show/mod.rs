@@ -6,7 +6,6 @@
 mod bounds;
 mod canvas;
 mod cases;
-mod drawn;
 mod edges;
 mod heat;
 mod layout;
@@ -20,10 +19,9 @@ use anyhow::bail;
 use clap::ValueEnum;
 use serde::Serialize;
 use umbrae_core::{Camera, Caster, Light, RayCaster};
-use umbrae_render::Overlay;
+use umbrae_render::{LightReport, Overlay};
 
 use canvas::Canvas;
-use drawn::Drawn;
 use legend::Legend;
 
 /// What a picture shows of how its shadows are determined.
@@ -56,6 +54,8 @@ pub struct Subject<'a> {
     pub camera: &'a Camera,
     /// All lights of the picture.
     pub lights: &'a [Light],
+    /// For each light, what was drawn for it in the picture without anything shown.
+    pub reports: &'a [LightReport],
 }
 
 impl<'a> Subject<'a> {
@@ -81,16 +81,17 @@ pub struct Show<'a> {
     overlay: Option<Overlay>,
     /// Finished when the picture is, for what is counted in it.
     legend: Legend,
-    drawn: Option<Drawn>,
 }
 
-/// Numbers that only the renderer knows.
-#[derive(Debug, Clone, Copy)]
-pub enum PixelNumbers<'a> {
+/// Numbers for each pixel, row by row from the top, that only the renderer knows.
+#[derive(Debug, Clone)]
+pub enum Numbers {
+    /// For every mode but these.
+    None,
     /// Stencil counts, for [`Mode::Counts`].
-    Counts(&'a [i32]),
+    Counts(Vec<i32>),
     /// Fragments, for [`Mode::Fill`].
-    Fill(&'a [f32]),
+    Fill(Vec<u32>),
 }
 
 /// More lights than this can't be told apart, so only the first are shown.
@@ -105,22 +106,16 @@ impl<'a> Show<'a> {
     /// When no light has that name.
     pub fn new(mode: Mode, subject: Subject<'a>, light_name: Option<&str>) -> anyhow::Result<Self> {
         let lights = shown_lights(mode, subject.lights, light_name)?;
-        let mut show = Self { mode, subject, overlay: None, legend: Legend::default(), drawn: None, lights };
-        let chosen: Vec<&Light> = show.lights.iter().map(|&light| &subject.lights[light]).collect();
-        let drawn = show.lights.first().map(|&light| Drawn::new(&subject, light));
-        (show.overlay, show.legend) = match (mode, drawn) {
+        let chosen: Vec<&Light> = lights.iter().map(|&light| &subject.lights[light]).collect();
+        let (overlay, legend) = match (mode, lights.first()) {
             (Mode::Volumes, _) => some_first(outlines::volumes(&subject, &chosen)),
             (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &chosen)),
             (Mode::Topology, _) => some_first(edges::topology(&subject)),
-            (Mode::Cases, Some(drawn)) => some_first(cases::cases(&subject, &drawn)),
-            (Mode::Bounds, Some(drawn)) => {
-                let overlay = bounds::reach(&subject.lights[drawn.light]);
-                show.drawn = Some(drawn);
-                (Some(overlay), Legend::default())
-            }
-            (Mode::Counts | Mode::Fill, _) | (_, None) => (None, Legend::default()),
+            (Mode::Cases, Some(&light)) => some_first(cases::cases(&subject, light)),
+            (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject.lights[light])), Legend::default()),
+            _ => (None, Legend::default()),
         };
-        Ok(show)
+        Ok(Self { mode, subject, lights, overlay, legend })
     }
 
     /// What the renderer has to draw over the lit picture.
@@ -128,25 +123,25 @@ impl<'a> Show<'a> {
         self.overlay.as_ref()
     }
 
-    /// The light whose pixels must be counted, if any.
-    pub fn counted_light(&self) -> Option<&'a Light> {
+    /// The light whose pixels must be counted, and whether for [`Mode::Counts`] or [`Mode::Fill`]; `None` for other modes.
+    pub fn counted_light(&self) -> Option<(&'a Light, Mode)> {
         let is_counted = matches!(self.mode, Mode::Counts | Mode::Fill);
-        self.lights.first().filter(|_| is_counted).map(|&light| &self.subject.lights[light])
+        self.lights.first().filter(|_| is_counted).map(|&light| (&self.subject.lights[light], self.mode))
     }
 
     /// Draws the rest on the finished picture: four sRGB bytes a pixel, row by row from the top. `numbers` are those of
     /// [`Show::counted_light`].
-    pub fn finish(mut self, rgba: &mut [u8], numbers: Option<PixelNumbers<'_>>) -> ShowReport {
+    pub fn finish(mut self, rgba: &mut [u8], numbers: &Numbers) -> ShowReport {
         let mut canvas = Canvas::new(rgba, self.subject.camera.size_px());
-        let lights = &self.subject.lights;
-        let name = self.lights.first().map(|&light| quoted(&lights[light].name)).unwrap_or_default();
-        if let Some(numbers) = numbers {
-            self.legend = match numbers {
-                PixelNumbers::Counts(counts) => heat::draw_counts(&mut canvas, counts, &name),
-                PixelNumbers::Fill(fill) => heat::draw_fill(&mut canvas, fill, &name),
-            };
-        } else if let Some(drawn) = &self.drawn {
-            self.legend = bounds::draw(&mut canvas, &self.subject, drawn);
+        let lights = self.subject.lights;
+        if let Some(&light) = self.lights.first() {
+            let name = quoted(&lights[light].name);
+            match (numbers, self.mode) {
+                (Numbers::Counts(counts), _) => self.legend = heat::draw_counts(&mut canvas, counts, &name),
+                (Numbers::Fill(fill), _) => self.legend = heat::draw_fill(&mut canvas, fill, &name),
+                (Numbers::None, Mode::Bounds) => self.legend = bounds::draw(&mut canvas, &self.subject, light),
+                (Numbers::None, _) => {}
+            }
         }
         if matches!(self.mode, Mode::Volumes | Mode::Silhouettes | Mode::Cases | Mode::Bounds) {
             for &light in &self.lights {

@@ -8,7 +8,7 @@ use image::RgbImage;
 use serde::Deserialize;
 use umbrae::view::{ViewChoice, add_ground, camera, ground_under, lights};
 use umbrae_core::{Caster, Light, LightPosition, Material, Mesh, Object, Scene, Surface, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, ShadowOptions, Shot};
 
 /// A picture to draw, as `umbrae render` would.
 #[derive(Debug, Deserialize)]
@@ -151,7 +151,17 @@ impl Case {
         let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: None, is_software: true }))?;
         let renderer = Renderer::new(gpu, self.samples);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
-        let drawn = renderer.picture(&gpu_scene, &casters, &camera, &lights, Method::Auto, &look);
+        let shadows = ShadowOptions::default();
+        let shot = Shot {
+            scene: &gpu_scene,
+            casters: &casters,
+            camera: &camera,
+            lights: &lights,
+            shadows,
+            look: &look,
+            overlay: None,
+        };
+        let drawn = renderer.picture(&shot);
         let rgb =
             pollster::block_on(drawn)?.rgba.chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();
         RgbImage::from_raw(self.size_px[0], self.size_px[1], rgb)

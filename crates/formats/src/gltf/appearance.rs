@@ -1,7 +1,9 @@
 //! Materials, lights and cameras of a glTF file.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Light, LightPosition, Material, NamedCamera};
+use umbrae_core::{Cone, Light, LightPosition, Material, NamedCamera};
 
 use super::document;
 use crate::error::quoted;
@@ -55,14 +57,39 @@ pub(super) fn light(
         });
         return None;
     };
-    if light.kind == "spot" {
-        let words = [
-            "spot light shines all around (spot cones are not applied)",
-            "spot lights shine all around (spot cones are not applied)",
-        ];
-        warnings.add(1, words);
+    let range_m = light.range.filter(|_| !position.is_directional());
+    let usable_range_m = range_m.filter(|range| *range > 0.0 && range.is_finite());
+    if usable_range_m != range_m {
+        let words = ["light's range was ignored", "lights' ranges were ignored"];
+        warnings.add_one(words, || format!("{} m of {}", light.range.unwrap_or_default(), quoted(&name)));
     }
-    Some(Light::new(name, position, strength))
+    let cone = if light.kind == "spot" { cone(&light.spot, &name, world_from_node, warnings) } else { None };
+    Some(Light { cone, range_m: usable_range_m, ..Light::new(name, position, strength) })
+}
+
+/// The difference between a cone's angles that a file without any gets, in radians: a hundredth of a degree.
+const LEAST_EDGE_RAD: f64 = 2e-4;
+
+/// The cone of a spot light along the node's -z; its angles are brought into glTF's bounds, 0 <= inner < outer <= pi / 2.
+fn cone(spot: &document::Spot, name: &str, world_from_node: &DAffine3, warnings: &mut Warnings) -> Option<Cone> {
+    let Some(axis) = world_from_node.transform_vector3(DVec3::NEG_Z).try_normalize() else {
+        let words =
+            ["spot light points nowhere and shines all around", "spot lights point nowhere and shine all around"];
+        warnings.add_one(words, || quoted(name));
+        return None;
+    };
+    // JSON has no NaN.
+    let outer_rad = spot.outer_cone_angle.clamp(LEAST_EDGE_RAD, FRAC_PI_2);
+    let inner_rad = spot.inner_cone_angle.clamp(0.0, outer_rad - LEAST_EDGE_RAD);
+    let moved = (outer_rad - spot.outer_cone_angle).abs().max((inner_rad - spot.inner_cone_angle).abs());
+    // Rounding to f32 and back is no fault, and equal angles are how some programs write a hard edge.
+    if moved > 2.0 * LEAST_EDGE_RAD {
+        let words = ["spot light's angles were brought into range", "spot lights' angles were brought into range"];
+        warnings.add_one(words, || {
+            format!("inner {} and outer {} of {}", spot.inner_cone_angle, spot.outer_cone_angle, quoted(name))
+        });
+    }
+    Some(Cone { axis, inner_rad, outer_rad })
 }
 
 /// A camera where its node is; it looks along the node's -z, +y up.
@@ -83,7 +110,7 @@ pub(super) fn camera(
     let up = forward.and_then(|forward| y.reject_from_normalized(forward).try_normalize());
     let &document::Perspective { yfov, znear } = perspective;
     let eye = world_from_node.translation;
-    let is_usable = eye.is_finite() && yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && znear.is_finite();
+    let is_usable = eye.is_finite() && yfov > 0.0 && yfov < PI && znear > 0.0 && znear.is_finite();
     match (forward, up) {
         (Some(forward), Some(up)) if is_usable => {
             Some(NamedCamera { name, eye, forward, up, fov_y_rad: yfov, near: znear })

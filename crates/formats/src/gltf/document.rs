@@ -73,6 +73,22 @@ pub(super) struct Light {
     pub(super) color: [f32; 3],
     #[serde(default = "one")]
     pub(super) intensity: f32,
+    pub(super) range: Option<f64>,
+    #[serde(default)]
+    pub(super) spot: Spot,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Spot {
+    pub(super) inner_cone_angle: f64,
+    pub(super) outer_cone_angle: f64,
+}
+
+impl Default for Spot {
+    fn default() -> Self {
+        Self { inner_cone_angle: 0.0, outer_cone_angle: std::f64::consts::FRAC_PI_4 }
+    }
 }
 
 #[derive(Debug, Deserialize)]

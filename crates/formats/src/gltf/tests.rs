@@ -288,10 +288,41 @@ fn lights_and_cameras_are_where_their_nodes_are() {
     assert_eq!(
         warnings(&model),
         [
-            "1 spot light shines all around (spot cones are not applied)",
             "1 light was skipped (first: \"light 2\" is \"area\" of strength [1, 1, 1] in no usable place)",
             "1 orthographic camera was skipped (first: \"camera 1\")",
             "1 camera was skipped (first: \"camera 2\" at [0, 0, 0] with yfov 4 and znear 0.25)",
+        ]
+    );
+}
+
+#[test]
+fn spot_lights_shine_along_their_nodes_and_have_the_cone_and_the_range_of_the_file() {
+    let mut builder = one_triangle();
+    let spot = |inner: f64, outer: f64| json!({"type": "spot", "range": 2.5, "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
+    builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        spot(0.25, 0.5), {"type": "spot"}, spot(0.5, 0.25), spot(-1.0, 3.0), spot(0.5, 0.5),
+        {"type": "point", "range": -1.0}, {"type": "directional", "range": 7.0}, {"type": "point", "range": 10.0},
+    ]}});
+    let light = |light: usize| json!({"scale": [2, 2, 2], "rotation": [0, 1, 0, 1], "extensions": {"KHR_lights_punctual": {"light": light}}});
+    builder.json["nodes"] = (0..8).map(light).chain([json!({"mesh": 0})]).collect();
+    let model = builder.model();
+    let cone = |i: usize| model.scene.lights[i].cone;
+    let angles = |i: usize| cone(i).map(|cone| [cone.inner_rad, cone.outer_rad]);
+    let axis = cone(0).expect("a spot light has a cone").axis;
+    assert!(axis.distance(DVec3::NEG_X) < 1e-12, "a quarter turn about the file's up takes -z to -x: {axis}");
+    assert_eq!(angles(0), Some([0.25, 0.5]));
+    assert_eq!(angles(1), Some([0.0, std::f64::consts::FRAC_PI_4]), "glTF's defaults");
+    for i in 0..5 {
+        let [inner, outer] = angles(i).expect("a spot light has a cone");
+        assert!(0.0 <= inner && inner < outer && outer <= std::f64::consts::FRAC_PI_2, "{i}: {inner} {outer}");
+    }
+    let ranges: Vec<Option<f64>> = model.scene.lights.iter().map(|light| light.range_m).collect();
+    assert_eq!(ranges[4..], [Some(2.5), None, None, Some(10.0)], "a node's scale does not change a range");
+    assert_eq!(
+        warnings(&model),
+        [
+            "2 spot lights' angles were brought into range (first: inner 0.5 and outer 0.25 of \"light 2\")",
+            "1 light's range was ignored (first: -1 m of \"light 5\")",
         ]
     );
 }
