@@ -16,6 +16,7 @@ use crate::cast::Pattern;
 use crate::output::write_to_stdout;
 use crate::parse::{fov_deg, metres, picture_size, xyz};
 use crate::sample::Sample;
+use crate::show::Mode;
 
 pub use self::light::LightArgs;
 
@@ -169,6 +170,14 @@ pub struct RenderArgs {
     /// A camera of the model, by the name that `umbrae inspect` shows
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target"], help_heading = "View")]
     pub camera: Option<String>,
+
+    /// Show how the shadows were determined, with a legend
+    #[arg(long, value_name = "WHAT", help_heading = "View")]
+    pub show: Option<Mode>,
+
+    /// The light about which --show is, by the name that the report gives (default: the first; of volumes and silhouettes, the first four)
+    #[arg(long, value_name = "NAME", requires = "show", help_heading = "View")]
+    pub show_light: Option<String>,
 
     /// Draw no ground plane
     #[arg(long, help_heading = "View")]

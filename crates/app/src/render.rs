@@ -17,6 +17,7 @@ use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
 use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
@@ -74,8 +75,11 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 
     let start = Instant::now();
-    let picture = stage.picture()?;
+    let mut picture = stage.picture()?;
     times.picture = ms_since(start);
+    let has_ground = ground.is_some();
+    let show =
+        args.show.map(|mode| stage.show(mode, args.show_light.as_deref(), has_ground, &mut picture)).transpose()?;
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
@@ -93,6 +97,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         camera: CameraReport::new(&camera, origin),
         samples: args.samples,
         method: method_name(args.method),
+        show,
         lights: (stage.lights.iter().zip(&picture.lights))
             .map(|(light, report)| LightJson::new(light, report, &stage.casters, origin))
             .collect(),
@@ -118,6 +123,36 @@ impl Stage {
         Ok(pollster::block_on(self.renderer.mask(&self.shot(), light))?)
     }
 
+    /// Makes `picture` one that shows `mode`. The ground, if there is one, was added last.
+    fn show(
+        &self,
+        mode: show::Mode,
+        light: Option<&str>,
+        has_ground: bool,
+        picture: &mut Picture,
+    ) -> anyhow::Result<ShowReport> {
+        let subject = Subject {
+            casters: &self.casters,
+            ground: self.casters.len().checked_sub(1).filter(|_| has_ground),
+            camera: &self.camera,
+            lights: &self.lights,
+            reports: &picture.lights,
+        };
+        let show = Show::new(mode, subject, light)?;
+        if let Some(overlay) = show.overlay() {
+            let shot = Shot { overlay: Some(overlay), ..self.shot() };
+            picture.rgba = pollster::block_on(self.renderer.picture(&shot))?.rgba;
+        }
+        let numbers = match show.counted_light() {
+            Some((light, show::Mode::Counts)) => {
+                Numbers::Counts(pollster::block_on(self.renderer.counts(&self.shot(), light))?)
+            }
+            Some((light, _)) => Numbers::Fill(pollster::block_on(self.renderer.fill(&self.shot(), light))?),
+            None => Numbers::None,
+        };
+        Ok(show.finish(&mut picture.rgba, &numbers))
+    }
+
     fn shot(&self) -> Shot<'_> {
         Shot {
             scene: &self.gpu_scene,
@@ -126,6 +161,7 @@ impl Stage {
             lights: &self.lights,
             shadows: self.shadows,
             look: &self.look,
+            overlay: None,
         }
     }
 }

@@ -10,6 +10,7 @@ use umbrae_formats::UpAxis;
 use umbrae_render::{CasterReport, Comparison, LightReport, PassTime};
 
 use crate::model::{LoadedFile, format_name};
+use crate::show::ShowReport;
 use crate::view::Ground;
 
 /// The whole report.
@@ -31,6 +32,9 @@ pub struct Report {
     pub samples: u32,
     /// "auto", "zpass" or "zfail".
     pub method: &'static str,
+    /// With `--show`, what the picture shows besides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub show: Option<ShowReport>,
     /// In the order in which they were added.
     pub lights: Vec<LightJson>,
     /// GPU times; empty where the device can't tell.

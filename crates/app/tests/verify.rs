@@ -145,6 +145,7 @@ fn verify(renderer: &Renderer, name: String, mut scene: Scene) -> Line {
                     lights: &[],
                     shadows,
                     look: &Look::NONE,
+                    overlay: None,
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);
