@@ -1,7 +1,10 @@
+use std::sync::Arc;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use umbrae_core::Object;
 
 use crate::{Format, LoadError, LoadOptions, Model, UpAxis, load_bytes};
 
@@ -83,8 +86,7 @@ fn warnings(model: &Model) -> Vec<String> {
 /// Where the object's vertices are, in the model's own coordinates.
 fn world(model: &Model, object: usize) -> Vec<DVec3> {
     let object = &model.scene.objects[object];
-    let place = |p: &Vec3| object.world_from_object.transform_point3(p.as_dvec3()) + model.scene.origin;
-    object.mesh.positions().iter().map(place).collect()
+    object.positions().map(|p| p + model.scene.origin).collect()
 }
 
 fn assert_near(actual: &[DVec3], expected: &[[f64; 3]]) {
@@ -138,7 +140,7 @@ fn nodes_that_show_one_mesh_share_it() {
     let mut builder = one_triangle();
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}]);
     let objects = builder.model().scene.objects;
-    assert!(std::sync::Arc::ptr_eq(&objects[0].mesh, &objects[1].mesh));
+    assert!(Arc::ptr_eq(&objects[0].mesh, &objects[1].mesh));
 }
 
 #[test]
@@ -305,9 +307,15 @@ fn morph_targets_add_what_their_weights_say_and_a_nodes_weights_win() {
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "weights": [2]}]);
     builder.json["animations"] = json!([{"channels": [], "samplers": []}]);
     let model = builder.model();
-    let depths: Vec<f32> = model.scene.objects.iter().map(|object| object.mesh.positions()[0].z).collect();
-    assert_eq!(depths, [1.0, 4.0]);
-    assert_eq!(warnings(&model), ["1 animation is not played: the model is at rest"]);
+    assert_eq!([0, 1].map(|object| world(&model, object)[0]), [DVec3::NEG_Y, DVec3::NEG_Y * 4.0]);
+    let [first, second] = model.scene.objects.as_slice() else { panic!("two objects") };
+    assert!(Arc::ptr_eq(&first.mesh, &second.mesh), "one mesh in two poses");
+    let deformer = |object: &Object| object.pose.as_ref().expect("it is posed").deformer.clone();
+    assert!(Arc::ptr_eq(&deformer(first), &deformer(second)));
+    assert_eq!(
+        warnings(&model),
+        ["1 animation is not played: the model is at rest; use --time SECONDS to see it at a moment"]
+    );
 }
 
 /// A triangle whose first corner hangs on joint 0 and whose others hang half on each.
