@@ -56,7 +56,7 @@ const SKIPPED: Words = ["animation channel was skipped", "animation channels wer
 
 /// All animations of the file, in its order.
 pub(super) fn clips(document: &Document, accessors: &Accessors<'_>, tree: &Tree, warnings: &mut Warnings) -> Vec<Clip> {
-    let mut keys = Keys { accessors, times: BTreeMap::new(), values: BTreeMap::new() };
+    let mut keys = Keys { accessors, times: BTreeMap::new(), values: BTreeMap::new(), tracks: BTreeMap::new() };
     let clip = |(index, animation): (usize, &document::Animation)| {
         let mut channels: Vec<Channel> = Vec::new();
         let mut seen = BTreeSet::new();
@@ -85,12 +85,19 @@ pub(super) fn clips(document: &Document, accessors: &Accessors<'_>, tree: &Tree,
     document.animations.iter().enumerate().map(clip).collect()
 }
 
-/// Keys as they are read; many channels share their times.
+/// Times or values of keys; reading them is tried once.
+type Numbers = Result<Arc<[f64]>, String>;
+
+/// What makes a track: input, output, what is moved, the numbers of a value, and the way between keys.
+type TrackKey = (usize, usize, Path, usize, Interpolation);
+
+/// Keys as they are read, and checked once: many channels share their times, and a hostile file's all of it.
 struct Keys<'a> {
     accessors: &'a Accessors<'a>,
-    times: BTreeMap<usize, Result<Arc<[f64]>, String>>,
+    times: BTreeMap<usize, Numbers>,
     /// By accessor and numbers in an element.
-    values: BTreeMap<(usize, usize), Result<Arc<[f64]>, String>>,
+    values: BTreeMap<(usize, usize), Numbers>,
+    tracks: BTreeMap<TrackKey, Result<Track, String>>,
 }
 
 impl Keys<'_> {
@@ -115,7 +122,7 @@ impl Keys<'_> {
             Path::Translation | Path::Scale => 3,
             Path::Rotation => 4,
             Path::Weights => {
-                node.mesh.and_then(|mesh| document.meshes.get(mesh as usize)).map_or(0, |mesh| mesh.target_count())
+                node.mesh.and_then(|mesh| document.meshes.get(mesh as usize)).map_or(0, document::Mesh::target_count)
             }
         };
         if width == 0 {
@@ -146,8 +153,19 @@ impl Keys<'_> {
                 Interpolation::of_name(name).ok_or_else(|| format!("there is no interpolation {}", quoted(name)))?
             }
         };
-        let times_s = self.times(sampler.input.ok_or("it has no input")?)?;
+        let input = sampler.input.ok_or("it has no input")?;
         let output = sampler.output.ok_or("it has no output")?;
+        let key = (input, output, path, width, interpolation);
+        if let Some(track) = self.tracks.get(&key) {
+            return track.clone();
+        }
+        let track = self.new_track(key);
+        self.tracks.insert(key, track.clone());
+        track
+    }
+
+    fn new_track(&mut self, (input, output, path, width, interpolation): TrackKey) -> Result<Track, String> {
+        let times_s = self.times(input)?;
         let values = match path {
             Path::Translation | Path::Scale => self.values::<3>(output),
             Path::Rotation => self.values::<4>(output),
@@ -160,7 +178,7 @@ impl Keys<'_> {
         Ok(track)
     }
 
-    fn times(&mut self, accessor: usize) -> Result<Arc<[f64]>, String> {
+    fn times(&mut self, accessor: usize) -> Numbers {
         if let Some(times_s) = self.times.get(&accessor) {
             return times_s.clone();
         }
@@ -169,7 +187,7 @@ impl Keys<'_> {
         times_s
     }
 
-    fn values<const N: usize>(&mut self, accessor: usize) -> Result<Arc<[f64]>, String> {
+    fn values<const N: usize>(&mut self, accessor: usize) -> Numbers {
         let accessors = self.accessors;
         let read = || {
             let vectors = accessors.vectors::<N>(accessor)?;

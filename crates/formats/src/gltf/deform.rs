@@ -35,6 +35,9 @@ pub(super) struct HighestJoint {
 const TARGET_SKIPPED: Words =
     ["morph target can't be used and moves nothing", "morph targets can't be used and move nothing"];
 
+/// What an offset is charged as that a file does not spend a byte on; no real one has many.
+const NUMBERS_OF_ZERO_OFFSET: usize = 12;
+
 impl Deformation {
     /// Adds the morph targets of `vertex_count` vertices of a primitive, and what they hang on if `has_skin`.
     ///
@@ -64,12 +67,14 @@ impl Deformation {
     ) -> Result<(), String> {
         let target_count = self.offsets.len().max(primitive.targets.len());
         // Where a primitive has fewer targets than others, the others move nothing of it; those zeros take memory too.
-        accessors.charge(target_count - self.offsets.len(), 3 * self.vertex_count)?;
+        accessors.charge(target_count - self.offsets.len(), NUMBERS_OF_ZERO_OFFSET * self.vertex_count)?;
         self.offsets.resize_with(target_count, || vec![Vec3::ZERO; self.vertex_count]);
         for (number, offsets) in self.offsets.iter_mut().enumerate() {
             let read = primitive.targets.get(number).and_then(|target| target.get("POSITION")).map(|&accessor| {
                 let read = accessors.vectors::<3>(accessor)?;
                 check_count("it", read.len(), vertex_count)?;
+                // They are kept twice for a while, as read and as welded.
+                accessors.charge(vertex_count, 3)?;
                 let read: Vec<Vec3> = read.into_iter().map(|offset| DVec3::from(offset).as_vec3()).collect();
                 match read.iter().position(|offset| !offset.is_finite()) {
                     Some(bad) => Err(format!("its offset {bad} is {}", read[bad])),
@@ -79,12 +84,12 @@ impl Deformation {
             match read.transpose() {
                 Ok(Some(read)) => offsets.extend(read),
                 Ok(None) => {
-                    accessors.charge(vertex_count, 3)?;
+                    accessors.charge(vertex_count, NUMBERS_OF_ZERO_OFFSET)?;
                     offsets.resize(offsets.len() + vertex_count, Vec3::ZERO);
                 }
                 Err(message) => {
                     warnings.add_one(TARGET_SKIPPED, || format!("target {number} of primitive {index}: {message}"));
-                    accessors.charge(vertex_count, 3)?;
+                    accessors.charge(vertex_count, NUMBERS_OF_ZERO_OFFSET)?;
                     offsets.resize(offsets.len() + vertex_count, Vec3::ZERO);
                 }
             }

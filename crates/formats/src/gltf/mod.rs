@@ -49,6 +49,7 @@ use crate::{Animations, Format, Model, UpAxis};
 
 use accessor::Accessors;
 use container::{Buffers, Chunks};
+use deform::HighestJoint;
 use document::{Document, Instancing, Node};
 use mesh::MaterialCount;
 use node::{Tree, is_usable, rotation_of};
@@ -132,7 +133,7 @@ fn check_extensions(document: &Document, warnings: &mut Warnings) -> Result<(), 
 const MAX_TRIANGLES_SHOWN: usize = 1 << 26;
 
 /// What an object is charged as, see `budget`.
-const NUMBERS_OF_OBJECT: usize = 32;
+const NUMBERS_OF_OBJECT: usize = 64;
 
 /// A transform takes as much memory as this many of the numbers that are charged.
 const NUMBERS_OF_JOINT: usize = 24;
@@ -152,6 +153,20 @@ struct Stage<'a> {
     first_problem: Option<Problem>,
     scene: Scene,
     warnings: Warnings,
+}
+
+/// What a node shows, in one place or as many instances.
+struct Actor<'a> {
+    /// The file's number.
+    node: usize,
+    shape: Shape,
+    skin: Option<Arc<PlacedSkin>>,
+    /// Of the morph targets.
+    weights: &'a [f64],
+    /// In scene axes, not yet about the scene's origin.
+    world_from_object: DAffine3,
+    /// Whether an animation moves it.
+    is_moving: bool,
 }
 
 impl Stage<'_> {
@@ -226,94 +241,79 @@ impl Stage<'_> {
             None => (self.shape(mesh_index, false)?, None),
         };
         let Some(shape) = shape else { return Ok(()) };
-        let target_count = shape.deformer.as_ref().map_or(0, |deformer| deformer.morph_offsets.len());
-        let weights = node.weights.as_deref().unwrap_or(&source.weights);
-        let morph_weights = morph_weights(weights.iter().copied(), target_count);
-        let at_rest = match &skin {
-            None => Placement { world_from_object: world_from_node, morph_weights, joints: Vec::new() },
-            Some((_, joints)) => {
-                Placement { world_from_object: scene_from_file(), morph_weights, joints: joints.clone() }
-            }
-        };
-        let is_moving = self.cast.nodes.has(index)
-            || skin.as_ref().is_some_and(|(skin, _)| skin.skin.joints.iter().any(|&joint| self.cast.nodes.has(joint)));
-        let moving = |at_rest: &Placement, instance: Option<DAffine3>| {
-            is_moving.then(|| MovingObject {
-                object: 0,
-                node: index,
-                instance,
-                skin: skin.as_ref().map(|(skin, _)| skin.clone()),
-                reach: shape.reach.clone(),
-                rest_weights: at_rest.morph_weights.clone(),
-            })
+        let actor = Actor {
+            node: index,
+            // As glTF says, the joints alone place a mesh with a skin: the node's own transform has no effect.
+            world_from_object: if skin.is_some() { scene_from_file() } else { world_from_node },
+            is_moving: self.cast.nodes.has(index) || skin.as_ref().is_some_and(|skin| skin.is_moving),
+            weights: node.weights.as_deref().unwrap_or(&source.weights),
+            shape,
+            skin,
         };
         let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
-        let Some(instancing) = instancing else {
-            let moving = moving(&at_rest, None);
-            return self.show(name, &shape, at_rest, moving).map_err(in_node);
-        };
+        let Some(instancing) = instancing else { return self.show(name, &actor, None).map_err(in_node) };
         let instances = self.instances(instancing).map_err(|message| in_node(format!("its instances: {message}")))?;
         for (i, world_from_instance) in instances.into_iter().enumerate() {
-            let world_from_object = at_rest.world_from_object * world_from_instance;
-            let placed = Placement { world_from_object, ..at_rest.clone() };
-            let moving = moving(&placed, Some(world_from_instance));
-            if let Err(message) = self.show(format!("{name} {i}"), &shape, placed, moving) {
+            if let Err(message) = self.show(format!("{name} {i}"), &actor, Some(world_from_instance)) {
                 self.skip_object(in_node(format!("instance {i}: {message}")));
             }
         }
         Ok(())
     }
 
-    /// Adds an object where it is at rest, and what moves it.
-    fn show(
-        &mut self,
-        name: String,
-        shape: &Shape,
-        at_rest: Placement,
-        moving: Option<MovingObject>,
-    ) -> Result<(), String> {
+    /// Adds an object at rest, and what moves it.
+    fn show(&mut self, name: String, actor: &Actor<'_>, instance: Option<DAffine3>) -> Result<(), String> {
+        let Actor { node, shape, skin, weights, is_moving, .. } = actor;
+        let world_from_object = instance.map_or(actor.world_from_object, |instance| actor.world_from_object * instance);
         // What an animation moves may come out of nothing.
-        if !is_usable(&at_rest.world_from_object) && (moving.is_none() || !at_rest.world_from_object.is_finite()) {
+        let has_place = if *is_moving { world_from_object.is_finite() } else { is_usable(&world_from_object) };
+        if !has_place {
             return Err(shape::TRANSFORM.to_owned());
         }
-        let bounds = at_rest.bounds(&shape.reach)?;
-        let shown = self.triangles_shown + shape.mesh.triangles().len();
-        if shown > MAX_TRIANGLES_SHOWN {
+        let triangles_shown = self.triangles_shown + shape.mesh.triangles().len();
+        if triangles_shown > MAX_TRIANGLES_SHOWN {
             return Err(format!("with it, the scene would have more than {MAX_TRIANGLES_SHOWN} triangles"));
         }
-        let Placement { world_from_object, morph_weights, joints } = at_rest;
         // Twice: the object has them, and so has what moves it.
-        self.accessors.charge(2, morph_weights.len() + NUMBERS_OF_JOINT * joints.len())?;
-        self.triangles_shown = shown;
-        self.bounds = self.bounds.union(bounds);
-        self.cast.objects.extend(moving.map(|moving| MovingObject { object: self.scene.objects.len(), ..moving }));
+        let target_count = shape.deformer.as_ref().map_or(0, |deformer| deformer.morph_offsets.len());
+        let rest_joints = skin.as_ref().map_or(&[][..], |skin| &skin.rest);
+        self.accessors.charge(2, target_count + NUMBERS_OF_JOINT * rest_joints.len())?;
+        let placement = Placement {
+            world_from_object,
+            morph_weights: morph_weights(weights.iter().copied(), target_count),
+            joints: rest_joints.to_vec(),
+        };
+        self.bounds = self.bounds.union(placement.bounds(&shape.reach)?);
+        self.triangles_shown = triangles_shown;
+        let Placement { morph_weights, joints, .. } = placement;
+        self.cast.objects.extend(is_moving.then(|| MovingObject {
+            object: self.scene.objects.len(),
+            node: *node,
+            instance,
+            skin: skin.clone(),
+            reach: shape.reach.clone(),
+            rest_weights: morph_weights.clone(),
+        }));
         let pose = shape.deformer.clone().map(|deformer| Pose { deformer, morph_weights, joints });
         self.scene.objects.push(Object { pose, ..Object::new(name, shape.mesh.clone(), world_from_object) });
         Ok(())
     }
 
-    /// The shape of a node with a skin, the skin, and where its joints take the mesh at rest; `None` if it has no skin that can be used.
-    fn skinned(&mut self, node: &Node, mesh_index: usize) -> Option<(Option<Shape>, (Arc<PlacedSkin>, Vec<DAffine3>))> {
+    /// The shape of a node with a skin, and the skin; `None` if it has no skin that can be used.
+    fn skinned(&mut self, node: &Node, mesh_index: usize) -> Option<(Option<Shape>, Arc<PlacedSkin>)> {
         let skin_index = node.skin? as usize;
-        let skin = self.skin(skin_index).and_then(|skin| {
-            let joints = skin.skin.pose(|node| self.tree.world_from_node(node).unwrap_or(DAffine3::NAN))?;
-            Ok((skin, joints))
-        });
-        let skin = skin.map_err(|message| Problem::in_part("skin", skin_index, None, message));
+        let skin = self.skin(skin_index).map_err(|message| Problem::in_part("skin", skin_index, None, message));
         let shown = skin.and_then(|skin| Ok((self.shape(mesh_index, true)?, skin))).and_then(|(shape, skin)| {
+            let count = skin.rest.len();
             let highest = shape.as_ref().and_then(|shape| shape.highest_joint);
-            match highest.filter(|highest| highest.joint as usize >= skin.1.len()) {
-                None => Ok((shape, skin)),
-                Some(highest) => {
-                    let (primitive, vertex, joint) = (highest.primitive, highest.vertex, highest.joint);
-                    let count = skin.1.len();
-                    let message = format!(
-                        "primitive {primitive}: vertex {vertex} hangs on joint {joint}, but its skin has {count}"
-                    );
-                    let name = self.document.meshes[mesh_index].name.as_deref();
-                    Err(Problem::in_part("mesh", mesh_index, name, message))
-                }
-            }
+            let Some(highest) = highest.filter(|highest| highest.joint as usize >= count) else {
+                return Ok((shape, skin));
+            };
+            let HighestJoint { joint, primitive, vertex } = highest;
+            let message =
+                format!("primitive {primitive}: vertex {vertex} hangs on joint {joint}, but its skin has {count}");
+            let name = self.document.meshes[mesh_index].name.as_deref();
+            Err(Problem::in_part("mesh", mesh_index, name, message))
         });
         if let Err(problem) = &shown {
             let words = [
@@ -328,11 +328,9 @@ impl Stage<'_> {
     fn skin(&mut self, index: usize) -> Result<Arc<PlacedSkin>, String> {
         let (document, accessors, tree, nodes) = (self.document, &self.accessors, self.tree, &self.cast.nodes);
         let read = || {
-            let skin = Skin::read(index, document, accessors, tree)?;
-            let is_fixed = |joint: &&usize| !nodes.is_empty() && !nodes.has(**joint);
-            let fixed =
-                skin.joints.iter().filter(is_fixed).filter_map(|&joint| Some((joint, tree.world_from_node(joint)?)));
-            Ok(Arc::new(PlacedSkin { fixed: fixed.collect(), skin }))
+            Skin::read(index, document, accessors, tree)
+                .and_then(|skin| PlacedSkin::new(skin, tree, nodes))
+                .map(Arc::new)
         };
         self.skins.entry(index).or_insert_with(read).clone()
     }
@@ -429,5 +427,7 @@ fn name_of(node: &Node, own: Option<&str>, what: &str, index: usize) -> String {
     names.into_iter().flatten().find(|name| !name.is_empty()).map_or_else(|| format!("{what} {index}"), str::to_owned)
 }
 
+#[cfg(test)]
+mod animation_tests;
 #[cfg(test)]
 mod tests;

@@ -69,11 +69,16 @@ pub(super) struct MovingObject {
     pub(super) rest_weights: Vec<f32>,
 }
 
-/// A skin, and where those of its joints are that never move, by the file's numbers.
+/// A skin in the scene.
 #[derive(Debug)]
 pub(super) struct PlacedSkin {
-    pub(super) skin: Skin,
-    pub(super) fixed: BTreeMap<usize, DAffine3>,
+    skin: Skin,
+    /// For each joint where it takes vertices at rest, in the file's root space.
+    pub(super) rest: Vec<DAffine3>,
+    /// Whether some joint can move.
+    pub(super) is_moving: bool,
+    /// If so, where those joints are that can't, by the file's numbers.
+    fixed: BTreeMap<usize, DAffine3>,
 }
 
 /// A camera or a light on a node that can move.
@@ -134,14 +139,21 @@ impl Nodes {
         all
     }
 
-    /// Whether nothing can move.
-    pub(super) fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
-    }
-
     /// Whether a node, by the file's number, can move.
     pub(super) fn has(&self, node: usize) -> bool {
         self.place_of_node.contains_key(&node)
+    }
+}
+
+impl PlacedSkin {
+    /// What is wrong is said in words that fit after "skin 3: ".
+    pub(super) fn new(skin: Skin, tree: &Tree, nodes: &Nodes) -> Result<Self, String> {
+        let world_from_joint = |joint| tree.world_from_node(joint).unwrap_or(DAffine3::NAN);
+        let rest = skin.pose(world_from_joint)?;
+        let is_moving = skin.joints.iter().any(|&joint| nodes.has(joint));
+        let fixed = skin.joints.iter().filter(|&&joint| is_moving && !nodes.has(joint));
+        let fixed = fixed.map(|&joint| (joint, world_from_joint(joint))).collect();
+        Ok(Self { skin, rest, is_moving, fixed })
     }
 }
 
@@ -280,7 +292,7 @@ impl Rig {
             None => moving.rest_weights.clone(),
         };
         let (world_from_mesh, joints) = match moving.skin.as_deref() {
-            Some(PlacedSkin { skin, fixed }) => {
+            Some(PlacedSkin { skin, fixed, .. }) => {
                 let world_from_node = |node| {
                     self.world_from_node(node, moment).or_else(|| fixed.get(&node).copied()).unwrap_or(DAffine3::NAN)
                 };

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::node::rotation_of;
 
 /// How values go from key to key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Interpolation {
     /// A key's value holds until the next key.
     Step,

@@ -47,17 +47,17 @@ impl Reach {
     ///
     /// A vertex is somewhere between the places to which its joints take it, so it is in a box around the boxes of the joints.
     fn bounds(&self, placement: &Placement) -> Result<Bounds, DVec3> {
+        let mut moved = Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
+        for (&weight, offset) in placement.morph_weights.iter().zip(&self.offsets) {
+            let [a, b] = [offset.min, offset.max].map(|end| f64::from(weight) * end);
+            moved = Bounds { min: moved.min + a.min(b), max: moved.max + a.max(b) };
+        }
         let mut all = Bounds::EMPTY;
         for (joint, rest) in &self.rest {
-            let mut morphed = *rest;
-            for (&weight, offset) in placement.morph_weights.iter().zip(&self.offsets) {
-                let ends = [f64::from(weight) * offset.min, f64::from(weight) * offset.max];
-                morphed.min += ends[0].min(ends[1]);
-                morphed.max += ends[0].max(ends[1]);
-            }
+            let morphed = Bounds { min: rest.min + moved.min, max: rest.max + moved.max };
             let mut world_from_mesh = placement.world_from_object;
             if let Some(joint) = joint {
-                world_from_mesh = world_from_mesh * placement.joints[*joint as usize];
+                world_from_mesh *= placement.joints[*joint as usize];
             }
             for corner in morphed.corners().map(|corner| world_from_mesh.transform_point3(corner)) {
                 if !is_in_range(corner) {
