@@ -13,7 +13,8 @@
 
 use glam::DVec3;
 
-use crate::{Bounds, Camera, Caster, ConvexRegion, LightPosition};
+use crate::eye_count::NearPlace;
+use crate::{Bounds, Camera, Caster, Chain, ConvexRegion, LightPosition, ShadowVolume};
 
 /// McGuire's three cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,24 +43,30 @@ impl Case {
 pub struct CaseChooser {
     view: ConvexRegion,
     near_pyramid: ConvexRegion,
+    near_place: NearPlace,
 }
 
 /// Regions are widened by this much of the coordinates' size: the GPU works in `f32` (2^-24 a rounding, and a few of them),
 /// and z-fail, to which doubt leads, is always right.
 const SLACK: f64 = 4e-6;
 
+/// The distance, in metres, by which regions are widened for a camera and a light among casters that lie in `scene`.
+pub(crate) fn slack_m(camera: &Camera, light: LightPosition, scene: &Bounds) -> f64 {
+    let l = light.homogeneous();
+    let reach = |p: DVec3| p.abs().max_element();
+    let of_scene = if scene.is_empty() { 0.0 } else { reach(scene.min).max(reach(scene.max)) };
+    SLACK * reach(camera.eye()).max(reach(l.truncate() * l.w)).max(of_scene)
+}
+
 impl CaseChooser {
     /// For a camera and a light in the same space as the casters, which all lie in `scene`.
     pub fn new(camera: &Camera, light: LightPosition, scene: &Bounds) -> Self {
-        let l = light.homogeneous();
-        let reach = |p: DVec3| p.abs().max_element();
-        let scale = reach(camera.eye()).max(reach(l.truncate() * l.w)).max(if scene.is_empty() {
-            0.0
-        } else {
-            reach(scene.min).max(reach(scene.max))
-        });
-        let slack = SLACK * scale;
-        Self { view: view_region(camera, slack), near_pyramid: near_pyramid(camera, light, slack) }
+        let slack = slack_m(camera, light, scene);
+        Self {
+            view: view_region(camera, slack),
+            near_pyramid: near_pyramid(camera, light, slack),
+            near_place: NearPlace::new(camera, light, slack),
+        }
     }
 
     /// The case of `caster`. Cheap where bounds decide; else linear in its triangles.
@@ -78,6 +85,17 @@ impl CaseChooser {
         if self.view.may_meet_box(&caster.bounds) { Case::Fail } else { Case::FailWithoutLightCap }
     }
 
+    /// How many of the volumes of `caster` over `chain` hold the near rectangle: what the stencil has to start from for z-pass to be right.
+    ///
+    /// `None` where that may not be one number: a side of the volume or the caster itself crosses the rectangle, or comes close enough
+    /// for rounding to tell. Cheap where bounds decide; else linear in the volume's faces.
+    pub fn eye_count(&self, caster: &Caster, chain: &Chain, volume: &ShadowVolume) -> Option<u32> {
+        if !self.near_pyramid.may_meet_box(&caster.bounds) {
+            return Some(0);
+        }
+        self.near_place.count(caster, chain, volume, &self.near_pyramid)
+    }
+
     fn may_shade_near_rectangle(&self, caster: &Caster) -> bool {
         self.near_pyramid.may_meet_box(&caster.bounds)
             && (0..caster.mesh.triangles().len())
@@ -86,7 +104,7 @@ impl CaseChooser {
 }
 
 /// What the camera sees: beyond the near plane and within the four sides.
-fn view_region(camera: &Camera, slack: f64) -> ConvexRegion {
+pub(crate) fn view_region(camera: &Camera, slack: f64) -> ConvexRegion {
     let eye = camera.eye();
     let [_, _, forward] = camera.axes();
     let rectangle = camera.near_rectangle();
@@ -109,9 +127,23 @@ fn near_pyramid(camera: &Camera, light: LightPosition, slack: f64) -> ConvexRegi
     let to_light = light.offset_from(middle);
     let height = forward.dot(to_light);
     if height.abs() <= slack.max(SLACK * to_light.length()) {
-        // The light is in the near plane, and so is the pyramid: keep the plane and give up its outline.
+        // The light is in the near plane, and so is the pyramid: it is flat, and its outline is made of sides of the rectangle and of
+        // lines from its corners to the light.
         region.add(middle, forward, slack);
         region.add(middle, -forward, slack);
+        for i in 0..4 {
+            let (a, b) = (rectangle[i], rectangle[(i + 1) % 4]);
+            let inwards = facing(forward.cross(b - a), middle - a);
+            if inwards.dot(light.offset_from(a)) >= 0.0 {
+                region.add(a, inwards, slack);
+            }
+            let beside = forward.cross(light.offset_from(a)).normalize_or_zero();
+            for normal in [beside, -beside] {
+                if rectangle.iter().all(|&corner| normal.dot(corner - a) >= -slack) {
+                    region.add(a, normal, 2.0 * slack);
+                }
+            }
+        }
         return region;
     }
     region.add(middle, forward * height.signum(), slack);

@@ -22,6 +22,16 @@ impl ConvexRegion {
         }
     }
 
+    /// Whether the homogeneous point is in the region; one at infinity (`w = 0`) is where the region reaches to infinity that way.
+    pub fn contains(&self, point: DVec4) -> bool {
+        self.planes.iter().all(|plane| plane.dot(point) >= 0.0)
+    }
+
+    /// The planes, each with its unit normal inwards.
+    pub fn planes(&self) -> &[DVec4] {
+        &self.planes
+    }
+
     /// `false` only when no point of `bounds` is in the region. Looks at one plane at a time, so a box near a corner of the
     /// region may pass though it misses.
     pub fn may_meet_box(&self, bounds: &Bounds) -> bool {
@@ -30,6 +40,23 @@ impl ConvexRegion {
             let farthest = DVec3::select(n.cmpgt(DVec3::ZERO), bounds.max, bounds.min);
             n.dot(farthest) + plane.w >= 0.0
         })
+    }
+
+    /// Whether the region and the closed segment have a point in common.
+    pub fn meets_segment(&self, ends: [DVec3; 2]) -> bool {
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for plane in &self.planes {
+            let (start, end) = (distance(plane, ends[0]), distance(plane, ends[1]));
+            if start < 0.0 && end < 0.0 {
+                return false;
+            }
+            if start < 0.0 {
+                from = from.max(start / (start - end));
+            } else if end < 0.0 {
+                to = to.min(start / (start - end));
+            }
+        }
+        from <= to
     }
 
     /// Whether the region and the closed triangle have a point in common.

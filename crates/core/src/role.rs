@@ -11,12 +11,14 @@ pub struct Role {
     pub casts: bool,
     /// Whether what is behind it shows through: it is drawn last and hides nothing.
     pub is_glass: bool,
+    /// Whether parts of it are cut out by its texture. What is cut out still casts.
+    pub is_cutout: bool,
 }
 
 impl Default for Role {
     /// Opaque and casting.
     fn default() -> Self {
-        Self { casts: true, is_glass: false }
+        Self { casts: true, is_glass: false, is_cutout: false }
     }
 }
 
@@ -24,7 +26,13 @@ impl Role {
     /// The role of a surface of `material` when nobody says otherwise: what is blended is glass and casts nothing.
     pub fn of_material(material: &Material) -> Self {
         let is_glass = material.alpha_mode == AlphaMode::Blend;
-        Self { casts: !is_glass, is_glass }
+        let is_cutout = matches!(material.alpha_mode, AlphaMode::Mask { .. });
+        Self { casts: !is_glass, is_glass, is_cutout }
+    }
+
+    /// Whether something behind a triangle of it may be seen through that triangle.
+    pub fn is_see_through(self) -> bool {
+        self.is_glass || self.is_cutout
     }
 }
 

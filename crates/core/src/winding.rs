@@ -110,7 +110,7 @@ fn slack(caster: &Caster, place: DVec3) -> f64 {
 }
 
 /// The near rectangle as a thin slab.
-fn near_rectangle_region(camera: &Camera, slack: f64) -> ConvexRegion {
+pub(crate) fn near_rectangle_region(camera: &Camera, slack: f64) -> ConvexRegion {
     let [right, up, forward] = camera.axes();
     let [top_left, _, bottom_right, _] = camera.near_rectangle();
     let mut region = ConvexRegion::default();

@@ -18,6 +18,8 @@ pub struct Caps {
     pub has_timestamps: bool,
     /// Float depth where the device has it: reversed, it is precise at every distance.
     pub depth_stencil_format: wgpu::TextureFormat,
+    /// A float that can be added to: of 32 bits, or of 16, exact up to 2048.
+    pub tally_format: wgpu::TextureFormat,
 }
 
 impl Caps {
@@ -34,6 +36,11 @@ impl Caps {
                 wgpu::TextureFormat::Depth32FloatStencil8
             } else {
                 wgpu::TextureFormat::Depth24PlusStencil8
+            },
+            tally_format: if has(wgpu::Features::FLOAT32_BLENDABLE) {
+                wgpu::TextureFormat::R32Float
+            } else {
+                wgpu::TextureFormat::R16Float
             },
         }
     }

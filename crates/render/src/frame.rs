@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! surface                every opaque triangle: depth, ambient light
-//! for each light:
-//!   volumes              the shadow volumes into the stencil, from 0
-//!   light                this light, added where the stencil is 0
+//! for each light that reaches the view:
+//!   volumes              the mark, then the shadow volumes into the stencil
+//!   light                this light, added where the stencil says that it reaches
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
-use crate::passes::{GpuVolumes, LightPass, SurfacePass, TonePass, VolumePass};
+use crate::passes::{LightPass, SurfacePass, TonePass};
+use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::timing::PassTimer;
 use crate::{GpuScene, Targets};
 
@@ -16,7 +17,7 @@ use crate::{GpuScene, Targets};
 #[derive(Debug)]
 pub(crate) struct Passes {
     pub(crate) surface: SurfacePass,
-    pub(crate) volumes: VolumePass,
+    pub(crate) shadows: Shadows,
     pub(crate) light: LightPass,
 }
 
@@ -26,6 +27,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) targets: &'a Targets,
     pub(crate) scene: &'a GpuScene,
     pub(crate) view: &'a wgpu::BindGroup,
+    pub(crate) shadow_view: &'a ShadowView,
     pub(crate) lights: &'a [FrameLight],
 }
 
@@ -33,39 +35,82 @@ pub(crate) struct Frame<'a> {
 #[derive(Debug)]
 pub(crate) struct FrameLight {
     pub(crate) name: String,
-    pub(crate) uniform: wgpu::BindGroup,
-    pub(crate) volumes: GpuVolumes,
+    pub(crate) shadows: ShadowLight,
 }
 
-/// How many passes [`record`] and [`record_tone`] make together.
+/// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: usize) -> u32 {
     2 + 2 * lights as u32
 }
 
 /// Records everything but the tone mapping.
 pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
-    let clear_depth = (wgpu::LoadOp::Clear(0.0), wgpu::LoadOp::Clear(0));
-    let clear_stencil = (wgpu::LoadOp::Load, wgpu::LoadOp::Clear(0));
-    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
-    let clear_color = wgpu::LoadOp::Clear(frame.targets.output.clear_color());
+    let lights: Vec<&FrameLight> = frame.lights.iter().filter(|light| light.shadows.rect().is_some()).collect();
     // Multisampled colour is resolved once, after the last pass that adds to it.
-    let last_light = frame.lights.len();
-
-    let color = color_attachment(frame.targets, clear_color, last_light == 0);
-    let mut pass = begin(encoder, frame, "surface", Some(color), clear_depth, timer);
-    passes.surface.draw(&mut pass, frame.scene);
-    drop(pass);
-
-    for (i, light) in frame.lights.iter().enumerate() {
+    record_surface(passes, frame, lights.is_empty(), encoder, timer);
+    for (i, light) in lights.iter().enumerate() {
+        let clear_stencil = wgpu::LoadOp::Clear(light.shadows.clear_value());
         let name = format!("volumes: {}", light.name);
-        let mut pass = begin(encoder, frame, &name, None, clear_stencil, timer);
-        passes.volumes.draw(&mut pass, frame.scene, &light.uniform, &light.volumes);
+        let mut pass = begin(encoder, frame, &name, None, (wgpu::LoadOp::Load, clear_stencil), timer);
+        record_mark(passes, frame, light, &mut pass);
+        passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, &light.shadows);
         drop(pass);
 
-        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, i + 1 == last_light);
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, i + 1 == lights.len());
         let name = format!("light: {}", light.name);
+        let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
         let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
-        passes.light.draw(&mut pass, frame.scene, &light.uniform);
+        light.shadows.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
+        passes.light.draw(&mut pass, frame.scene, light.shadows.group());
+    }
+}
+
+/// Records what adds up counts or fill of the first light into `to`; nothing if that light draws nothing.
+pub(crate) fn record_tally(
+    passes: &Passes,
+    (tally, kind): (&Tally, TallyKind),
+    frame: Frame<'_>,
+    to: &wgpu::TextureView,
+    encoder: &mut wgpu::CommandEncoder,
+) {
+    let timer = &mut PassTimer::off();
+    record_surface(passes, frame, true, encoder, timer);
+    let Some(light) = frame.lights.first() else { return };
+    let clear_stencil = wgpu::LoadOp::Clear(light.shadows.clear_value());
+    let mut pass = begin(encoder, frame, "mark", None, (wgpu::LoadOp::Load, clear_stencil), timer);
+    record_mark(passes, frame, light, &mut pass);
+    drop(pass);
+    let color = wgpu::RenderPassColorAttachment {
+        view: to,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+    };
+    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+    let mut pass = begin(encoder, frame, "tally", Some(color), keep, timer);
+    tally.draw(&mut pass, kind, &frame.scene.shadow_casters, frame.shadow_view, &light.shadows);
+}
+
+fn record_surface(
+    passes: &Passes,
+    frame: Frame<'_>,
+    is_last: bool,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let clear_color = wgpu::LoadOp::Clear(frame.targets.output.clear_color());
+    let clear_depth = (wgpu::LoadOp::Clear(0.0), wgpu::LoadOp::Clear(0));
+    let color = color_attachment(frame.targets, clear_color, is_last);
+    let mut pass = begin(encoder, frame, "surface", Some(color), clear_depth, timer);
+    passes.surface.draw(&mut pass, frame.scene);
+}
+
+fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight, pass: &mut wgpu::RenderPass<'_>) {
+    if light.shadows.marks_receivers() {
+        light.shadows.rect().into_iter().for_each(|rect| set_scissor(pass, rect));
+        passes.light.draw_mark(pass, frame.scene, light.shadows.group());
+    } else {
+        passes.shadows.draw_reach(pass, frame.shadow_view, &light.shadows);
     }
 }
 

@@ -128,7 +128,7 @@ impl Gpu {
 
     /// Takes a device that the caller made of `adapter`, for drawing beside the caller's own passes or into its window.
     ///
-    /// Ask for [`Gpu::wanted_features`] when making it: without them passes are not timed, and depth has 24 bits.
+    /// Ask for [`Gpu::wanted_features`] when making it: without them passes are not timed, depth has 24 bits, and tallies 16.
     pub fn of_device(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let caps = Caps::of(adapter, &device);
         Self { device, queue, label: label(adapter), caps, is_out_of_memory: Arc::default() }
@@ -155,9 +155,23 @@ impl Gpu {
         result
     }
 
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when the device makes no buffers of `bytes`.
+    pub(crate) fn ensure_buffer_fits(&self, bytes: usize) -> Result<(), GpuError> {
+        let (needed_bytes, allowed_bytes) = (bytes as u64, self.device.limits().max_buffer_size);
+        if needed_bytes > allowed_bytes {
+            return Err(GpuError::TooLarge { adapter: self.label.clone(), needed_bytes, allowed_bytes });
+        }
+        Ok(())
+    }
+
     /// The features of `adapter` that this crate makes use of; it needs none.
     pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
-        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::DEPTH32FLOAT_STENCIL8)
+        adapter.features()
+            & (wgpu::Features::TIMESTAMP_QUERY
+                | wgpu::Features::DEPTH32FLOAT_STENCIL8
+                | wgpu::Features::FLOAT32_BLENDABLE)
     }
 
     async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {

@@ -1,11 +1,11 @@
 //! The geometry of a scene on the GPU.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use umbrae_core::{Caster, Material};
 use wgpu::util::DeviceExt as _;
 
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, ShadowCasters};
 
 /// `Vertex` in `surface.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -24,55 +24,29 @@ impl SurfaceVertex {
     };
 }
 
-/// A vertex of shadow volumes: position and 0, the same and 1 for its copy at infinity (McGuire's doubled vertex array,
-/// section 4), or a direction and 2.
-pub(crate) type VolumeVertex = [f32; 4];
-
-/// Directions that caps may use, first of all volume vertices; see [`crate::LightVolumes`].
-pub(crate) const AXES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-
-pub(crate) const VOLUME_VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
-    array_stride: size_of::<VolumeVertex>() as u64,
-    step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-};
-
-/// Vertex buffers for surfaces and for volumes, all casters in one each.
+/// A scene on the device: its surfaces, all casters in one buffer, and its volumes.
 #[derive(Debug)]
 pub struct GpuScene {
     pub(crate) surface: wgpu::Buffer,
     pub(crate) surface_vertices: u32,
-    pub(crate) volume_vertices: wgpu::Buffer,
+    pub(crate) shadow_casters: ShadowCasters,
 }
 
 impl GpuScene {
     /// Uploads `casters`, which name `materials`. About 84 bytes a triangle and 32 a vertex.
-    ///
-    /// Volume vertices are the six directions along the axes, then caster by caster: first the caster's vertices, then their copies at infinity.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] when a buffer would be larger than the device allows, [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, casters: &[Caster], materials: &[Material]) -> Result<Self, GpuError> {
         let triangles: usize = casters.iter().map(|c| c.mesh.triangles().len()).sum();
-        let positions: usize = casters.iter().map(|c| c.positions.len()).sum();
-        let allowed_bytes = gpu.device.limits().max_buffer_size;
-        for needed in [triangles * 3 * size_of::<SurfaceVertex>(), positions * 2 * size_of::<VolumeVertex>()] {
-            let needed_bytes = needed as u64;
-            if needed_bytes > allowed_bytes {
-                return Err(GpuError::TooLarge { adapter: gpu.label.clone(), needed_bytes, allowed_bytes });
-            }
-        }
+        gpu.ensure_buffer_fits(triangles * 3 * size_of::<SurfaceVertex>())?;
+        let shadow_casters = ShadowCasters::new(gpu, casters)?;
 
         let mut surface = Vec::with_capacity(triangles * 3);
-        let mut volume = Vec::with_capacity(AXES.len() + positions * 2);
-        volume.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
         let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
         for caster in casters {
             push_surface(caster, materials, &plain, &mut surface);
-            for extruded in [0.0, 1.0] {
-                volume.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
-            }
         }
         let buffer = |label, contents| {
             gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -84,7 +58,7 @@ impl GpuScene {
         gpu.unless_out_of_memory(Ok(Self {
             surface_vertices: surface.len() as u32,
             surface: buffer("surface vertices", bytemuck::cast_slice(&surface)),
-            volume_vertices: buffer("volume vertices", bytemuck::cast_slice(&volume)),
+            shadow_casters,
         }))
     }
 }

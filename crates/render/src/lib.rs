@@ -9,12 +9,12 @@ mod caps;
 pub mod frame;
 mod gpu;
 mod gpu_scene;
-mod light_volumes;
 mod look;
 mod passes;
 mod readback;
 mod renderer;
 mod shaders;
+mod shadow;
 mod targets;
 mod timing;
 mod uniforms;
@@ -23,9 +23,12 @@ mod verify;
 pub use caps::{Caps, Tier};
 pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
 pub use gpu_scene::GpuScene;
-pub use light_volumes::{CasterReport, LightVolumes, Method};
 pub use look::Look;
-pub use renderer::{LightReport, Mask, Picture, Renderer, Shot};
+pub use renderer::{Mask, Picture, Renderer, Shot};
+pub use shadow::{
+    CasterReport, Fate, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowTarget,
+    ShadowView, Shadows, Why,
+};
 pub use targets::{Output, Targets};
 pub use timing::PassTime;
 pub use verify::{Comparison, compare};

@@ -21,10 +21,17 @@ const KEY: f32 = 1.05;
 /// …and up to this much less of the exposure is taken for granted from a light at the horizon: level ground gets little of it, and the eye opens.
 const LOW_LIGHT: f32 = 0.5;
 
+/// At half its range, glTF's window leaves a light 15 / 16 of its strength.
+const RANGE_SHARE: f64 = 0.5;
+
 /// The ground fades from 3 to 9 radii of the model: far enough for a low sun's shadows, near enough for no horizon line.
 const FADE_RADII: [f32; 2] = [3.0, 9.0];
 
 impl Look {
+    /// For passes that do not shade.
+    pub(crate) const NONE: Self =
+        Self { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: Vec3::ZERO };
+
     /// Exposed for the brightest of `lights` as it reaches the middle of `model`, or the surface of its bounding sphere where
     /// the light is inside.
     pub fn for_model(model: &Bounds, lights: &[Light]) -> Self {
@@ -33,7 +40,12 @@ impl Look {
             .iter()
             .map(|light| {
                 let offset = light.position.offset_from(model.center());
-                let distance = if light.position.is_directional() { 1.0 } else { offset.length().max(radius) };
+                let distance = if light.position.is_directional() {
+                    1.0
+                } else {
+                    // A light that fades sooner is exposed for where it is still bright.
+                    offset.length().max(radius).min(light.range_m.map_or(f64::INFINITY, |range| range * RANGE_SHARE))
+                };
                 let height = (offset.z / offset.length().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) as f32;
                 let opening = 1.0 - LOW_LIGHT * (1.0 - height);
                 light.strength.max_element() / (distance * distance) as f32 * opening

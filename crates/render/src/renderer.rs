@@ -1,16 +1,15 @@
 //! A scene, a camera and lights into a picture or a mask.
 
-use umbrae_core::{Camera, Caster, Light, Windings};
-use web_time::Instant;
+use umbrae_core::{Camera, Caster, Light};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::light_volumes::CasterReport;
-use crate::passes::{GpuVolumes, Layouts, LightPass, SurfacePass, TonePass, VolumePass, uniform_group};
+use crate::passes::{Layouts, LightPass, SurfacePass, TonePass, uniform_group};
 use crate::readback::TextureCopy;
+use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
-use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightVolumes, Look, Method, PassTime, Targets};
+use crate::uniforms::View;
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, PassTime, ShadowLight, ShadowOptions, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -19,6 +18,7 @@ pub struct Renderer {
     layouts: Layouts,
     picture: Passes,
     mask: Passes,
+    tally: Tally,
     tone: TonePass,
     samples: u32,
     format: wgpu::TextureFormat,
@@ -35,8 +35,8 @@ pub struct Shot<'a> {
     pub camera: &'a Camera,
     /// Any number.
     pub lights: &'a [Light],
-    /// How volumes are counted.
-    pub method: Method,
+    /// How shadows are determined.
+    pub shadows: ShadowOptions,
     /// Exposure and fading.
     pub look: &'a Look,
 }
@@ -55,19 +55,10 @@ pub struct Picture {
 /// A finished mask.
 #[derive(Debug, Clone)]
 pub struct Mask {
-    /// One byte a pixel, row by row from the top: 255 lit, 0 in shadow or facing away, 128 no surface.
+    /// One byte a pixel, row by row from the top: 255 lit, 0 in shadow, facing away or out of the light's reach, 128 no surface.
     pub verdicts: Vec<u8>,
     /// What was drawn.
     pub light: LightReport,
-}
-
-/// What one light cost and drew.
-#[derive(Debug, Clone)]
-pub struct LightReport {
-    /// One entry for each caster, in order.
-    pub casters: Vec<CasterReport>,
-    /// Time on the CPU for facing, silhouettes and volumes of all casters.
-    pub cpu_ms: f64,
 }
 
 impl Renderer {
@@ -80,16 +71,21 @@ impl Renderer {
     /// right; [`Renderer::picture`] needs `Rgba8UnormSrgb`, which `new` takes.
     pub fn for_format(gpu: Gpu, samples: u32, format: wgpu::TextureFormat) -> Self {
         let layouts = Layouts::new(&gpu);
-        let passes = |output, samples| Passes {
-            surface: SurfacePass::new(&gpu, &layouts, output, samples),
-            volumes: VolumePass::new(&gpu, &layouts, samples),
-            light: LightPass::new(&gpu, &layouts, output, samples),
+        let passes = |output, samples| {
+            let depth_stencil_format = gpu.caps.depth_stencil_format;
+            let target = ShadowTarget { depth_stencil_format, samples, color_formats: &[] };
+            Passes {
+                surface: SurfacePass::new(&gpu, &layouts, output, samples),
+                shadows: Shadows::new(&gpu, &target),
+                light: LightPass::new(&gpu, &layouts, output, samples),
+            }
         };
         let picture = passes(Output::Picture, samples);
         // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
         let mask = passes(Output::Mask, 1);
+        let tally = Tally::new(&gpu);
         let tone = TonePass::new(&gpu, &layouts, format);
-        Self { gpu, layouts, picture, mask, tone, samples, format }
+        Self { gpu, layouts, picture, mask, tally, tone, samples, format }
     }
 
     /// The device.
@@ -97,7 +93,7 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Draws `casters`, uploaded as `scene`, as `camera` sees them under `lights`.
+    /// Draws what `shot` shows.
     ///
     /// # Errors
     ///
@@ -106,40 +102,23 @@ impl Renderer {
     /// # Panics
     ///
     /// If the renderer was made for another format than `Rgba8UnormSrgb`.
-    pub async fn picture(
-        &self,
-        scene: &GpuScene,
-        casters: &[Caster],
-        camera: &Camera,
-        lights: &[Light],
-        method: Method,
-        look: &Look,
-    ) -> Result<Picture, GpuError> {
+    pub async fn picture(&self, shot: &Shot<'_>) -> Result<Picture, GpuError> {
         assert_eq!(self.format, PICTURE_FORMAT, "pictures are read back as sRGB bytes");
-        let shot = Shot { scene, casters, camera, lights, method, look };
-        let targets = Targets::new(&self.gpu, Output::Picture, camera.size_px(), self.samples)?;
-        let finished = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: targets.resolved.size(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: PICTURE_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let size_px = shot.camera.size_px();
+        let targets = Targets::new(&self.gpu, Output::Picture, size_px, self.samples)?;
+        let finished = readable_texture(&self.gpu, "picture", PICTURE_FORMAT, size_px);
         let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
 
-        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(lights.len()));
+        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len()));
         let mut encoder = self.encoder("picture");
-        let reports = self.record(&shot, &targets, &to, &mut encoder, &mut timer)?;
+        let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
 
         let rgba = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
         let passes = timer.read(&self.gpu, times).await?;
-        Ok(Picture { rgba, lights: reports, passes })
+        Ok(Picture { rgba, lights, passes })
     }
 
     /// Submits the drawing of `shot` into `to`, a view of the renderer's format and the camera's size: a window's frame or a texture of the
@@ -170,70 +149,108 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
     ) -> Result<Vec<LightReport>, GpuError> {
-        let seen = windings_of(shot.casters, shot.camera);
-        let (lights, reports) = shot
+        let shadow_view = self.picture.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let lights = shot
             .lights
             .iter()
-            .map(|light| self.prepare_light(shot.casters, &seen, shot.camera, light, shot.method))
-            .collect::<Result<(Vec<_>, Vec<_>), _>>()?;
+            .map(|light| self.prepare_light(&self.picture, shot, &shadow_view, light))
+            .collect::<Result<Vec<_>, _>>()?;
         let view = self.view_group(shot.camera, shot.look);
-        let frame = Frame { targets, scene: shot.scene, view: &view, lights: &lights };
+        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
-        Ok(reports)
+        Ok(lights.into_iter().map(|light| light.shadows.report).collect())
     }
 
-    /// Draws the verdict of one light at each pixel's centre.
+    /// Draws the verdict of one light of `shot` at each pixel's centre.
     ///
     /// # Errors
     ///
     /// As [`Renderer::picture`].
-    pub async fn mask(
-        &self,
-        scene: &GpuScene,
-        casters: &[Caster],
-        camera: &Camera,
-        light: &Light,
-        method: Method,
-    ) -> Result<Mask, GpuError> {
-        let targets = Targets::new(&self.gpu, Output::Mask, camera.size_px(), 1)?;
-        let seen = windings_of(casters, camera);
-        let (frame_light, report) = self.prepare_light(casters, &seen, camera, light, method)?;
-        let look =
-            Look { exposure: 1.0, fade_start_m: f32::MAX, fade_end_m: f32::MAX, fade_center_world: glam::Vec3::ZERO };
-        let view = self.view_group(camera, &look);
-        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(1));
+    pub async fn mask(&self, shot: &Shot<'_>, light: &Light) -> Result<Mask, GpuError> {
+        let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
+        let shadow_view = self.mask.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
+        let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder("mask");
-        let frame = Frame { targets: &targets, scene, view: &view, lights: &[frame_light] };
-        frame::record(&self.mask, frame, &mut encoder, &mut timer);
+        let frame =
+            Frame { targets: &targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
+        frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
         self.gpu.queue.submit([encoder.finish()]);
         let verdicts = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
-        Ok(Mask { verdicts, light: report })
+        let [light] = lights;
+        Ok(Mask { verdicts, light: light.shadows.report })
+    }
+
+    /// For each pixel, row by row from the top, how many of the volumes of one light of `shot` hold what is seen there, signed as they are
+    /// counted; 0 outside the light's rectangle. Where nothing is seen it is what the volumes leave at infinity.
+    ///
+    /// Counted by addition to a float target, not by the stencil: nothing wraps (below 2048 where the device can't add to 32-bit floats).
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::picture`].
+    pub async fn counts(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<i32>, GpuError> {
+        let (sums, shadows) = self.tally(shot, light, TallyKind::Counts).await?;
+        let Some(rect) = shadows.rect() else { return Ok(vec![0; sums.len()]) };
+        let width = shot.camera.size_px()[0];
+        let start = shadows.start() as i32;
+        let at = |i: usize| [i as u32 % width, i as u32 / width];
+        let started = |(i, &sum): (usize, &f32)| sum as i32 + if rect.contains(at(i)) { start } else { 0 };
+        Ok(sums.iter().enumerate().map(started).collect())
+    }
+
+    /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::picture`].
+    pub async fn fill(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<u32>, GpuError> {
+        let (sums, _) = self.tally(shot, light, TallyKind::Fill).await?;
+        Ok(sums.iter().map(|&sum| sum as u32).collect())
+    }
+
+    async fn tally(
+        &self,
+        shot: &Shot<'_>,
+        light: &Light,
+        kind: TallyKind,
+    ) -> Result<(Vec<f32>, ShadowLight), GpuError> {
+        let size_px = shot.camera.size_px();
+        let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
+        let sums = readable_texture(&self.gpu, "tally", self.tally.format, size_px);
+        let to = sums.create_view(&wgpu::TextureViewDescriptor::default());
+        let shadow_view = self.mask.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
+        let view = self.view_group(shot.camera, &Look::NONE);
+        let mut encoder = self.encoder("tally");
+        let frame =
+            Frame { targets: &targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
+        frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);
+        let copy = TextureCopy::record(&self.gpu, &mut encoder, &sums);
+        self.gpu.queue.submit([encoder.finish()]);
+        let bytes = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
+        let sums = if self.tally.format == wgpu::TextureFormat::R32Float {
+            bytes.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
+        } else {
+            bytes.as_chunks().0.iter().map(|&two| half::f16::from_le_bytes(two).to_f32()).collect()
+        };
+        let [light] = lights;
+        Ok((sums, light.shadows))
     }
 
     fn prepare_light(
         &self,
-        casters: &[Caster],
-        seen: &[Windings],
-        camera: &Camera,
+        passes: &Passes,
+        shot: &Shot<'_>,
+        view: &ShadowView,
         light: &Light,
-        method: Method,
-    ) -> Result<(FrameLight, LightReport), GpuError> {
-        let start = Instant::now();
-        // The shaders see the light in f32, so everything else must reason about that light too.
-        let position = light.position.rounded_to_f32();
-        let chooser = LightVolumes::chooser(camera, position, casters);
-        let volumes = LightVolumes::new(casters, seen, &chooser, position, method);
-        let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
-        let uniform = LightUniform::new(light);
-        let frame_light = FrameLight {
-            name: light.name.clone(),
-            uniform: uniform_group(&self.gpu, "light", &self.layouts.light, bytemuck::bytes_of(&uniform)),
-            volumes: GpuVolumes::new(&self.gpu, &volumes)?,
-        };
-        Ok((frame_light, LightReport { casters: volumes.casters, cpu_ms }))
+    ) -> Result<FrameLight, GpuError> {
+        let casters = &shot.scene.shadow_casters;
+        let shadows = passes.shadows.light(&self.gpu, shot.casters, casters, view, light, &shot.shadows)?;
+        Ok(FrameLight { name: light.name.clone(), shadows })
     }
 
     fn view_group(&self, camera: &Camera, look: &Look) -> wgpu::BindGroup {
@@ -246,6 +263,16 @@ impl Renderer {
     }
 }
 
-fn windings_of(casters: &[Caster], camera: &Camera) -> Vec<Windings> {
-    casters.iter().map(|caster| Windings::of_near_rectangle(caster, camera)).collect()
+/// A texture to draw into and read back.
+fn readable_texture(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, [width, height]: [u32; 2]) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
 }

@@ -1,6 +1,7 @@
 //! Structs shared with WGSL, and the test that keeps the twins alike.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 use umbrae_core::{Camera, Light};
 
 use crate::Look;
@@ -48,15 +49,34 @@ impl View {
 pub(crate) struct LightUniform {
     position_world: [f32; 4],
     strength: [f32; 3],
-    unused: f32,
+    range_m: f32,
+    axis_world: [f32; 3],
+    cos_outer: f32,
+    sin_outer: f32,
+    cos_inner: f32,
+    unused_a: f32,
+    unused_b: f32,
 }
 
 impl LightUniform {
     pub(crate) fn new(light: &Light) -> Self {
+        let is_directional = light.position.is_directional();
+        let cone = light.cone.filter(|_| !is_directional);
+        let range_m = light.range_m.filter(|_| !is_directional).map_or(f32::MAX, |range| (range as f32).min(f32::MAX));
+        // Without an axis every direction is at cosine 0 from it, and inside any angle whose cosine is negative.
+        let (axis, [cos_outer, sin_outer, cos_inner]) = cone.map_or((DVec3::ZERO, [-1.0, 0.0, -0.5]), |cone| {
+            (cone.axis, [cone.outer_rad.cos(), cone.outer_rad.sin(), cone.inner_rad.cos()])
+        });
         Self {
             position_world: light.position.homogeneous().as_vec4().to_array(),
             strength: light.strength.to_array(),
-            unused: 0.0,
+            range_m,
+            axis_world: axis.as_vec3().to_array(),
+            cos_outer: cos_outer as f32,
+            sin_outer: sin_outer as f32,
+            cos_inner: cos_inner as f32,
+            unused_a: 0.0,
+            unused_b: 0.0,
         }
     }
 }
@@ -119,7 +139,7 @@ mod tests {
             LightUniform,
             include_str!("shaders/light.wgsl"),
             "Light",
-            [position_world, strength, unused]
+            [position_world, strength, range_m, axis_world, cos_outer, sin_outer, cos_inner, unused_a, unused_b]
         );
     }
 }

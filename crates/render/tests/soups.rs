@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, compare};
+use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, compare};
 
 /// A small seeded generator (SplitMix64): the same soups on every machine.
 struct Random(u64);
@@ -50,11 +50,19 @@ fn soup(random: &mut Random) -> Scene {
     Scene { objects, materials: vec![Material::default()], ..Scene::default() }
 }
 
+/// The default, z-fail and counting from the eye, and the default with one rule off at a time.
+fn all_options() -> impl Iterator<Item = (&'static str, ShadowOptions)> {
+    let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
+    let methods = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
+    methods.into_iter().chain(ShadowOptions::default().each_rule_off())
+}
+
 #[test]
 fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
         .expect("tests need a graphics driver: run scripts/setup.sh");
     let renderer = Renderer::new(gpu, 1);
+    let look = Look::for_model(&Bounds::EMPTY, &[]);
     let mut random = Random(1);
     let (mut surface, mut decided, mut with_zpass) = (0, 0, 0);
     for number in 0..40 {
@@ -74,14 +82,18 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         .map(|position| Light::new("light", position.rounded_to_f32(), Vec3::ONE));
         let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for method in [Method::Auto, Method::ZFail] {
-                let drawn = renderer.mask(&gpu_scene, &casters, &camera, light, method);
-                let mask = pollster::block_on(drawn).unwrap();
+            let mut first: Option<Vec<u8>> = None;
+            for (rule, shadows) in all_options() {
+                let shot =
+                    Shot { scene: &gpu_scene, casters: &casters, camera: &camera, lights: &[], shadows, look: &look };
+                let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
+                let first = first.get_or_insert_with(|| mask.verdicts.clone());
+                assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");
                 let comparison = compare(&mask.verdicts, judgements);
                 surface += comparison.surface;
                 decided += comparison.decided;
-                with_zpass += usize::from(mask.light.casters.iter().any(|c| c.case.number() == 1));
-                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {method:?}");
+                with_zpass += usize::from(mask.light.casters.iter().any(|c| c.case().is_some_and(|c| c.number() == 1)));
+                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {rule}");
             }
         }
     }

@@ -8,11 +8,12 @@ use umbrae_core::Surface;
 use super::accessor::Accessors;
 use super::deform::Deformation;
 use super::document::{Attributes, Mesh, Primitive};
+use super::texture::{UvSource, add_corner_uvs};
 use crate::warnings::{Warnings, Words};
 
-/// Materials by number, with one more for primitives that have none.
+/// Materials by number, each with its texture coordinates if it has a texture; there is one more for primitives that have none.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct MaterialCount(pub(super) usize);
+pub(super) struct Materials<'a>(pub(super) &'a [Option<UvSource>]);
 
 /// The surface of `mesh`, without triangles if none of its primitives has any, and what moves its vertices: morph targets, and if
 /// `has_skin` joints.
@@ -22,7 +23,7 @@ pub(super) fn surface(
     mesh: &Mesh,
     has_skin: bool,
     accessors: &Accessors<'_>,
-    materials: MaterialCount,
+    materials: Materials<'_>,
     warnings: &mut Warnings,
 ) -> Result<(Surface, Deformation), String> {
     let mut merged = Merged::default();
@@ -65,7 +66,7 @@ impl<'a> Merged<'a> {
         (index, primitive): (usize, &'a Primitive),
         has_skin: bool,
         accessors: &Accessors<'_>,
-        materials: MaterialCount,
+        materials: Materials<'_>,
         warnings: &mut Warnings,
     ) -> Result<(), String> {
         let (first, vertex_count) = self.vertices((index, primitive), has_skin, accessors, warnings)?;
@@ -89,16 +90,19 @@ impl<'a> Merged<'a> {
             ["index beyond the last whole triangle was skipped", "indices beyond the last whole triangle were skipped"],
         );
         let material = match primitive.material {
-            Some(material) if material < materials.0 => material,
+            Some(material) if material < materials.0.len() => material,
             Some(material) => {
                 let words = ["material that does not exist was replaced", "materials that do not exist were replaced"];
-                warnings.add_one(words, || format!("material {material} of {}", materials.0));
-                materials.0
+                warnings.add_one(words, || format!("material {material} of {}", materials.0.len()));
+                materials.0.len()
             }
-            None => materials.0,
+            None => materials.0.len(),
         };
         let added = self.surface.triangles.len() - before;
         self.surface.triangle_materials.extend(std::iter::repeat_n(material as u32, added));
+        let source = materials.0.get(material).copied().flatten();
+        let vertices = (first, vertex_count);
+        add_corner_uvs(&mut self.surface, before, vertices, &primitive.attributes, source, accessors, warnings);
         Ok(())
     }
 

@@ -10,6 +10,7 @@
 //!   skin         joints                              -> a transform for each
 //!   shape        both                                -> what objects that show a mesh share, and where they are
 //!   appearance   materials, lights, cameras
+//!   texture      pictures, and where on them corners are
 //!   animation    channels, and keys with `sampler`   -> what moves nodes
 //!   rig          all of it                           -> the scene at a moment
 //! ```
@@ -33,6 +34,7 @@ mod rig;
 mod sampler;
 mod shape;
 mod skin;
+mod texture;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -51,11 +53,12 @@ use accessor::Accessors;
 use container::{Buffers, Chunks};
 use deform::HighestJoint;
 use document::{Document, Instancing, Node};
-use mesh::MaterialCount;
+use mesh::Materials;
 use node::{Tree, is_usable, rotation_of};
 use rig::{Cast, MovingObject, Nodes, PlacedSkin, Shown, scene_from_file};
 use shape::{Placement, Reach, Shape, morph_weights};
 use skin::Skin;
+use texture::{Textures, UvSource};
 
 pub(crate) use rig::Rig;
 
@@ -69,13 +72,15 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         warnings.add(1, ["up axis was ignored, because glTF says that y is up", "up axes were ignored"]);
     }
     let buffers = Buffers::load(&document, chunks.binary, context.folder);
-    let tree = Tree::walk(&document)?;
     let accessors = Accessors::new(&document, buffers, bytes.len());
+    let looks = appearance::materials(&document, Textures::new(&document, &accessors, context.folder), &mut warnings);
+    let tree = Tree::walk(&document)?;
     let clips = animation::clips(&document, &accessors, &tree, &mut warnings);
     let nodes = Nodes::new(&clips, &document, &tree);
     let mut stage = Stage {
         document: &document,
-        accessors,
+        accessors: &accessors,
+        uv_sources: looks.uv_sources,
         tree: &tree,
         cast: Cast { clips, nodes, ..Cast::default() },
         shapes: BTreeMap::new(),
@@ -83,7 +88,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         bounds: Bounds::EMPTY,
         triangles_shown: 0,
         first_problem: None,
-        scene: Scene { materials: appearance::materials(&document.materials, &mut warnings), ..Scene::default() },
+        scene: Scene { materials: looks.materials, textures: looks.textures, ..Scene::default() },
         warnings,
     };
     // Comes after the file's own; for primitives that have none.
@@ -141,7 +146,9 @@ const NUMBERS_OF_JOINT: usize = 24;
 /// The scene while its nodes are walked; in scene axes, not yet about its origin.
 struct Stage<'a> {
     document: &'a Document,
-    accessors: Accessors<'a>,
+    accessors: &'a Accessors<'a>,
+    /// For each material of the file.
+    uv_sources: Vec<Option<UvSource>>,
     tree: &'a Tree,
     cast: Cast,
     /// By mesh, and whether its vertices hang on joints; `None` for one without triangles, and what is wrong with one that can't be used.
@@ -326,7 +333,7 @@ impl Stage<'_> {
     }
 
     fn skin(&mut self, index: usize) -> Result<Arc<PlacedSkin>, String> {
-        let (document, accessors, tree, nodes) = (self.document, &self.accessors, self.tree, &self.cast.nodes);
+        let (document, accessors, tree, nodes) = (self.document, self.accessors, self.tree, &self.cast.nodes);
         let read = || {
             Skin::read(index, document, accessors, tree)
                 .and_then(|skin| PlacedSkin::new(skin, tree, nodes))
@@ -348,9 +355,9 @@ impl Stage<'_> {
     fn read_shape(&mut self, mesh_index: usize, has_skin: bool) -> Result<Option<Shape>, Problem> {
         let source = &self.document.meshes[mesh_index];
         let in_mesh = |message: String| Problem::in_part("mesh", mesh_index, source.name.as_deref(), message);
-        let materials = MaterialCount(self.document.materials.len());
+        let materials = Materials(&self.uv_sources);
         let (surface, deformation) =
-            mesh::surface(source, has_skin, &self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
+            mesh::surface(source, has_skin, self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
         if surface.triangles.is_empty() {
             return Ok(None);
         }

@@ -1,18 +1,20 @@
-//! One light, added where nothing shades it.
+//! One light: marking what it would brighten, and adding it where nothing shades it.
 
 use super::Layouts;
 use super::surface::{SurfaceState, draw_surface, surface_pipeline};
 use crate::targets::Output;
-use crate::{Gpu, GpuScene};
+use crate::{Gpu, GpuScene, LIT};
 
-/// Adds a light to every visible surface whose stencil is 0 and whose seen side turns to the light.
+/// Adds a light to every visible surface whose stencil is [`LIT`] and whose seen side the light reaches; and sets the stencil to that, before
+/// volumes are counted, on every one that it reaches at all.
 ///
 /// - reads: depth and stencil
-/// - writes: colour, by addition
+/// - writes: colour, by addition; the stencil, when marking
 /// - needs: the depth of exactly these surfaces, drawn by the same vertex shader
 #[derive(Debug)]
 pub(crate) struct LightPass {
-    pipeline: wgpu::RenderPipeline,
+    light: wgpu::RenderPipeline,
+    mark: wgpu::RenderPipeline,
 }
 
 impl LightPass {
@@ -28,30 +30,63 @@ impl LightPass {
         };
         let unshaded =
             wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
-        let pipeline = surface_pipeline(
+        let depth_stencil = |face, write_mask| wgpu::DepthStencilState {
+            format: gpu.caps.depth_stencil_format,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Equal),
+            stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask },
+            bias: wgpu::DepthBiasState::default(),
+        };
+        let light = surface_pipeline(
             gpu,
-            output,
+            Some(output),
             samples,
             &SurfaceState {
                 label: "light",
                 layout: &layouts.view_and_light,
                 entry_point,
                 blend,
-                depth_stencil: wgpu::DepthStencilState {
-                    format: gpu.caps.depth_stencil_format,
-                    depth_write_enabled: Some(false),
-                    depth_compare: Some(wgpu::CompareFunction::Equal),
-                    stencil: wgpu::StencilState { front: unshaded, back: unshaded, read_mask: 0xFF, write_mask: 0 },
-                    bias: wgpu::DepthBiasState::default(),
-                },
+                depth_stencil: depth_stencil(unshaded, 0),
             },
         );
-        Self { pipeline }
+        let set = wgpu::StencilFaceState {
+            compare: wgpu::CompareFunction::Always,
+            pass_op: wgpu::StencilOperation::Replace,
+            ..wgpu::StencilFaceState::IGNORE
+        };
+        let mark = surface_pipeline(
+            gpu,
+            None,
+            samples,
+            &SurfaceState {
+                label: "mark of receivers",
+                layout: &layouts.view_and_light,
+                entry_point: "fs_mark",
+                blend: None,
+                depth_stencil: depth_stencil(set, 0xFF),
+            },
+        );
+        Self { light, mark }
+    }
+
+    /// Sets the stencil to [`LIT`] on what the light would brighten if nothing shaded it.
+    pub(crate) fn draw_mark(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, light: &wgpu::BindGroup) {
+        self.draw_with(&self.mark, pass, scene, light);
     }
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, light: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_stencil_reference(0);
+        self.draw_with(&self.light, pass, scene, light);
+    }
+
+    fn draw_with(
+        &self,
+        pipeline: &wgpu::RenderPipeline,
+        pass: &mut wgpu::RenderPass<'_>,
+        scene: &GpuScene,
+        light: &wgpu::BindGroup,
+    ) {
+        pass.set_pipeline(pipeline);
+        pass.set_stencil_reference(LIT);
         pass.set_bind_group(1, light, &[]);
         draw_surface(pass, scene);
     }

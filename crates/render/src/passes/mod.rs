@@ -3,12 +3,10 @@
 mod light;
 mod surface;
 mod tone;
-mod volumes;
 
 pub(crate) use light::LightPass;
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
-pub(crate) use volumes::{GpuVolumes, VolumePass};
 
 use crate::{Gpu, uniforms};
 
@@ -72,7 +70,7 @@ pub(crate) fn uniform_group(gpu: &Gpu, label: &str, layout: &wgpu::BindGroupLayo
 }
 
 /// Two-sided triangles, as everything here is drawn.
-const BOTH_SIDES: wgpu::PrimitiveState = wgpu::PrimitiveState {
+pub(crate) const BOTH_SIDES: wgpu::PrimitiveState = wgpu::PrimitiveState {
     topology: wgpu::PrimitiveTopology::TriangleList,
     strip_index_format: None,
     front_face: wgpu::FrontFace::Ccw,

@@ -23,7 +23,7 @@ impl SurfacePass {
         };
         let pipeline = surface_pipeline(
             gpu,
-            output,
+            Some(output),
             samples,
             &SurfaceState {
                 label: "surface",
@@ -57,13 +57,17 @@ pub(super) struct SurfaceState<'a> {
     pub(super) depth_stencil: wgpu::DepthStencilState,
 }
 
+/// Without an `output` there is no colour, only depth and stencil.
 pub(super) fn surface_pipeline(
     gpu: &Gpu,
-    output: Output,
+    output: Option<Output>,
     samples: u32,
     state: &SurfaceState<'_>,
 ) -> wgpu::RenderPipeline {
     let module = shaders::surface(&gpu.device);
+    let color = output.map(|output| {
+        Some(wgpu::ColorTargetState { format: output.format(), blend: state.blend, write_mask: wgpu::ColorWrites::ALL })
+    });
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(state.label),
         layout: Some(state.layout),
@@ -80,11 +84,7 @@ pub(super) fn surface_pipeline(
             module: &module,
             entry_point: Some(state.entry_point),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: output.format(),
-                blend: state.blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
+            targets: color.as_slice(),
         }),
         multiview_mask: None,
         cache: None,

@@ -56,26 +56,38 @@ fn fs_ambient(fragment: Fragment) -> @location(0) vec4f {
     return vec4f(fragment.color * (hemisphere + fill) * here, here);
 }
 
-// Whether the side that is seen is turned to the light.
-fn is_turned_to_light(fragment: Fragment) -> bool {
-    return dot(seen_normal(fragment), to_light(fragment.corner_world)) > 0.0;
+// Whether the light gives anything to the side that is seen, if nothing is between: turned to it, in its range and in its cone.
+fn gives_light(fragment: Fragment) -> bool {
+    return reaches_seen_side(light, fragment);
 }
 
-fn irradiance(fragment: Fragment) -> vec3f {
-    let offset = to_light(fragment.position_world);
-    let distance_squared = dot(offset, offset);
-    let cosine = dot(seen_normal(fragment), offset) * inverseSqrt(distance_squared);
-    let falloff = select(1.0, 1.0 / distance_squared, light.position_world.w > 0.5);
-    return light.strength * (max(cosine, 0.0) * falloff);
+fn reaches_seen_side(from_light: Light, fragment: Fragment) -> bool {
+    let is_turned_to_light = dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
+    return is_turned_to_light && reaches(from_light, offset_to_light(from_light, fragment.position_world));
+}
+
+// Where the light reaches the seen side.
+fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
+    let offset = offset_to_light(from_light, fragment.position_world);
+    let cosine = dot(seen_normal(fragment), offset) * inverseSqrt(dot(offset, offset));
+    return from_light.strength * (max(cosine, 0.0) * attenuation(from_light, offset));
 }
 
 @fragment
 fn fs_light(fragment: Fragment) -> @location(0) vec4f {
-    if !is_turned_to_light(fragment) {
+    if !gives_light(fragment) {
         discard;
     }
-    let radiance = fragment.color * irradiance(fragment) * (view.exposure * presence(fragment));
+    let radiance = fragment.color * irradiance(light, fragment) * (view.exposure * presence(fragment));
     return vec4f(radiance, 0.0);
+}
+
+// Draws nothing where the light gives nothing: for marking, in the stencil, the surfaces whose shadows matter.
+@fragment
+fn fs_mark(fragment: Fragment) {
+    if !gives_light(fragment) {
+        discard;
+    }
 }
 
 @fragment
@@ -85,7 +97,7 @@ fn fs_dark_mask(fragment: Fragment) -> @location(0) vec4f {
 
 @fragment
 fn fs_lit_mask(fragment: Fragment) -> @location(0) vec4f {
-    if !is_turned_to_light(fragment) {
+    if !gives_light(fragment) {
         discard;
     }
     return vec4f(1.0);

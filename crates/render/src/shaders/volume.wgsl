@@ -13,3 +13,26 @@ fn vs_volume(@location(0) vertex: vec4f) -> @builtin(position) @invariant vec4f 
     }
     return clip_position(homogeneous);
 }
+
+// One triangle that covers the picture, for the stencil alone.
+@vertex
+fn vs_everywhere(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// For passes that have colour attachments beside the stencil.
+@fragment
+fn fs_nothing() {
+}
+
+// +1 for each fragment.
+@fragment
+fn fs_one() -> @location(0) vec4f {
+    return vec4f(1.0);
+}
+
+// +1 where a volume is entered, -1 where it is left.
+@fragment
+fn fs_signed(@builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    return vec4f(select(-1.0, 1.0, is_front));
+}

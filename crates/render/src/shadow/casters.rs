@@ -1,0 +1,95 @@
+//! The vertices of shadow volumes on the GPU.
+
+use glam::DVec3;
+use umbrae_core::Caster;
+use wgpu::util::DeviceExt as _;
+
+use crate::{Gpu, GpuError};
+
+/// A vertex of shadow volumes: position and 0, the same and 1 for its copy at infinity (McGuire's doubled vertex array,
+/// section 4), or a direction and 2.
+pub(crate) type VolumeVertex = [f32; 4];
+
+pub(crate) const VOLUME_VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<VolumeVertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+};
+
+/// Directions about which a dark cap may be a fan.
+pub(crate) const AXES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+
+/// Where things are among a caster's own vertices, which come in one block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Block {
+    /// Of the block, in the buffer.
+    pub(crate) first_vertex: u32,
+    /// Of the mesh.
+    pub(crate) position_count: u32,
+}
+
+impl Block {
+    /// The copy at infinity of the middle of the caster's box: the direction from the light through it.
+    pub(crate) const MIDDLE: u32 = AXES.len() as u32;
+    const FIRST_POSITION: u32 = Self::MIDDLE + 1;
+
+    /// Vertex `i` of the mesh.
+    pub(crate) fn near(self, i: u32) -> u32 {
+        Self::FIRST_POSITION + i
+    }
+
+    /// Its copy at infinity.
+    pub(crate) fn far(self, i: u32) -> u32 {
+        Self::FIRST_POSITION + self.position_count + i
+    }
+
+    fn vertex_count(self) -> u32 {
+        self.far(self.position_count)
+    }
+
+    /// Whether 16-bit indices name every vertex.
+    pub(crate) fn is_short(self) -> bool {
+        self.vertex_count() <= 1 << 16
+    }
+}
+
+/// The vertices of casters, uploaded once and used by every light.
+#[derive(Debug)]
+pub struct ShadowCasters {
+    pub(crate) vertices: wgpu::Buffer,
+    pub(crate) blocks: Vec<Block>,
+}
+
+impl ShadowCasters {
+    /// Uploads the positions of `casters`: 32 bytes for each vertex of a mesh.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when the buffer would be larger than the device allows.
+    pub fn new(gpu: &Gpu, casters: &[Caster]) -> Result<Self, GpuError> {
+        let mut blocks = Vec::with_capacity(casters.len());
+        let mut vertex_count = 0;
+        for caster in casters {
+            let block = Block { first_vertex: vertex_count, position_count: caster.positions.len() as u32 };
+            gpu.ensure_buffer_fits(
+                (vertex_count as usize + block.vertex_count() as usize) * size_of::<VolumeVertex>(),
+            )?;
+            vertex_count += block.vertex_count();
+            blocks.push(block);
+        }
+        let mut vertices: Vec<VolumeVertex> = Vec::with_capacity(vertex_count as usize);
+        for caster in casters {
+            vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
+            vertices.push(caster.bounds.center().as_vec3().extend(1.0).to_array());
+            for extruded in [0.0, 1.0] {
+                vertices.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
+            }
+        }
+        let vertices = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("volume vertices"),
+            contents: bytemuck::cast_slice(&vertices),
+            usage: wgpu::BufferUsages::VERTEX,
+        });
+        Ok(Self { vertices, blocks })
+    }
+}

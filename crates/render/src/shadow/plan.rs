@@ -1,0 +1,267 @@
+//! What one light draws: each caster's fate, case and faces, in batches that the stencil can count.
+//!
+//! ```text
+//! batch 1     counts of some casters, which overlap at most 127 times
+//! fold        where the count is not 0, the mark goes: dark, and no later volume need look
+//! batch 2     …
+//! ```
+//!
+//! Sources: M. McGuire et al. 2003, section 6 and figure 4, for cases and culling; the lecture notes, section 3, for counting from
+//! the eye. The batches are ours: the papers let an 8-bit stencil wrap. Any part of a chain casts a volume that is closed and counts no less
+//! than 0, so that a point is lit exactly where every part counts 0, however a caster is split.
+
+use umbrae_core::{
+    Bounds, Camera, Case, CaseChooser, Caster, Chain, Counting, Culler, Light, LightPosition, PixelRect, Reach,
+    ShadowVolume, Windings, most_overlaps, split_chain,
+};
+
+use super::casters::{Block, ShadowCasters};
+use super::emit::{Indices, Part, emit};
+use super::options::{LightMark, Method, ShadowOptions};
+use super::report::{CasterReport, Fate, Why};
+
+/// Seven bits count; the eighth is the mark.
+const MOST_OVERLAPS: u32 = 127;
+
+/// What a camera sees of casters, whatever the light.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) camera: Camera,
+    bounds: Bounds,
+    windings: Vec<Windings>,
+}
+
+impl Seen {
+    pub(crate) fn new(camera: &Camera, casters: &[Caster]) -> Self {
+        Self {
+            camera: *camera,
+            bounds: Caster::bounds_of(casters),
+            windings: casters.iter().map(|caster| Windings::of_near_rectangle(caster, camera)).collect(),
+        }
+    }
+}
+
+/// What one light draws into the stencil.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    /// Where it may change a pixel; `None` draws nothing.
+    pub(crate) rect: Option<PixelRect>,
+    /// The faces of the reach, three vertices each, for [`LightMark::Exact`] and [`LightMark::Select`]; without any, everything in
+    /// the rectangle is marked.
+    pub(crate) mark: Vec<[f32; 4]>,
+    pub(crate) mark_kind: LightMark,
+    pub(crate) batches: Vec<Batch>,
+    pub(crate) indices: Indices,
+    pub(crate) casters: Vec<CasterReport>,
+}
+
+/// Volumes that overlap at most [`MOST_OVERLAPS`] times.
+#[derive(Debug, Default)]
+pub(crate) struct Batch {
+    /// How many of the volumes that are counted by z-pass hold the near rectangle.
+    pub(crate) start: u32,
+    /// Ordered by part, so that pipelines change seldom.
+    pub(crate) draws: Vec<Draw>,
+    overlaps: u32,
+}
+
+/// Triangles of one caster that are counted in one way.
+#[derive(Debug, Clone)]
+pub(crate) struct Draw {
+    pub(crate) part: Part,
+    pub(crate) is_short: bool,
+    pub(crate) indices: std::ops::Range<u32>,
+    pub(crate) base_vertex: i32,
+    pub(crate) rect: PixelRect,
+}
+
+impl Plan {
+    /// The plan for `light`, whose position is rounded as shaders see it.
+    ///
+    /// Linear in the number of triangles of the casters that are not culled.
+    pub(crate) fn new(
+        casters: &[Caster],
+        uploaded: &ShadowCasters,
+        seen: &Seen,
+        light: &Light,
+        options: &ShadowOptions,
+    ) -> Self {
+        let culler = Culler::new(&seen.camera, light, &seen.bounds);
+        let whole = PixelRect::whole(seen.camera.size_px());
+        let light_rect = if options.light_scissor { culler.light_rect() } else { whole };
+        let is_seen = !options.cull_lights || culler.light_may_show();
+        let mut plan = Self {
+            rect: light_rect.filter(|_| is_seen),
+            mark: Vec::new(),
+            mark_kind: options.light_mark,
+            batches: Vec::new(),
+            indices: Indices::default(),
+            casters: Vec::with_capacity(casters.len()),
+        };
+        let Some(rect) = plan.rect else {
+            plan.casters = casters.iter().map(|caster| CasterReport::of_fate(unseen_light(caster))).collect();
+            return plan;
+        };
+        if matches!(options.light_mark, LightMark::Exact | LightMark::Select)
+            && let Some(reach) = Reach::of(light)
+        {
+            plan.mark = reach.faces().iter().flatten().map(|v| volume_vertex(*v)).collect();
+        }
+        let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
+        for ((caster, windings), &block) in casters.iter().zip(&seen.windings).zip(&uploaded.blocks) {
+            let report = match fate_by_culling(caster, &culler, options, rect) {
+                Err(fate) => CasterReport::of_fate(fate),
+                Ok(rect) => {
+                    let planner = CasterPlanner { caster, windings, block, culler: &culler, chooser: &chooser, rect };
+                    planner.add_to(&mut plan, light.position, options)
+                }
+            };
+            plan.casters.push(report);
+        }
+        for batch in &mut plan.batches {
+            batch.draws.sort_by_key(|draw| (draw.part, draw.is_short));
+        }
+        plan
+    }
+}
+
+fn unseen_light(caster: &Caster) -> Fate {
+    if caster.role.casts { Fate::LightUnseen } else { Fate::NotCasting }
+}
+
+/// The pixels into which the caster's volume must be drawn, or why it need not be.
+fn fate_by_culling(
+    caster: &Caster,
+    culler: &Culler,
+    options: &ShadowOptions,
+    light_rect: PixelRect,
+) -> Result<PixelRect, Fate> {
+    if !caster.role.casts {
+        return Err(Fate::NotCasting);
+    }
+    if options.cull_unreached && !culler.is_reached(&caster.bounds) {
+        return Err(Fate::Unreached);
+    }
+    if options.cull_unseen && !culler.may_shade_view(&caster.bounds) {
+        return Err(Fate::Unseen);
+    }
+    if !options.caster_scissor {
+        return Ok(light_rect);
+    }
+    culler.shadow_rect(&caster.bounds).and_then(|rect| rect.intersection(&light_rect)).ok_or(Fate::Unseen)
+}
+
+/// As [`super::casters::VolumeVertex`] has it.
+fn volume_vertex(homogeneous: glam::DVec4) -> [f32; 4] {
+    let kind = if homogeneous.w == 0.0 { 2.0 } else { 0.0 };
+    homogeneous.truncate().as_vec3().extend(kind).to_array()
+}
+
+/// One caster that is to be drawn.
+struct CasterPlanner<'a> {
+    caster: &'a Caster,
+    windings: &'a Windings,
+    block: Block,
+    culler: &'a Culler,
+    chooser: &'a CaseChooser,
+    rect: PixelRect,
+}
+
+impl CasterPlanner<'_> {
+    fn add_to(&self, plan: &mut Plan, light: LightPosition, options: &ShadowOptions) -> CasterReport {
+        let caster = self.caster;
+        let chain = Chain::new(caster, light, &self.counting(light));
+        let volume = ShadowVolume::new(caster, &chain);
+        let mut report = CasterReport::of_fate(Fate::Unseen);
+        report.rect = Some(self.rect);
+        report.silhouette_edges = volume.silhouette_edges;
+        report.chain_triangles = volume.light_cap.len();
+        report.index_bytes = if self.block.is_short() { size_of::<u16>() } else { size_of::<u32>() };
+        let asked = self.case(options);
+        let overlaps = most_overlaps(caster, &chain, &volume, light);
+        if overlaps <= MOST_OVERLAPS {
+            self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
+        } else {
+            for chain in split_chain(caster, &chain, light, MOST_OVERLAPS) {
+                let volume = ShadowVolume::new(caster, &chain);
+                let overlaps = most_overlaps(caster, &chain, &volume, light);
+                self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
+            }
+        }
+        report
+    }
+
+    /// How each component counts. What can be seen through is no wall between the eye and a point, so windings say nothing of it.
+    fn counting(&self, light: LightPosition) -> Vec<Counting> {
+        if self.caster.role.is_see_through() {
+            return vec![Counting::Every; self.caster.topology.components().len()];
+        }
+        Counting::choose(self.caster, self.windings, &Windings::of_light(self.caster, light))
+    }
+
+    /// The case, and why; that of [`Method::EyeCount`] may yet change for each part.
+    fn case(&self, options: &ShadowOptions) -> (Case, Why) {
+        match options.method {
+            Method::ZPass => (Case::Pass, Why::Method),
+            Method::ZFail => (self.zfail_case(options), Why::Method),
+            Method::Auto | Method::EyeCount => match self.chooser.case(self.caster) {
+                Case::Pass => (Case::Pass, Why::NearRectangleClear),
+                Case::Fail | Case::FailWithoutLightCap => (self.zfail_case(options), Why::NearRectangleMayBeShaded),
+            },
+        }
+    }
+
+    fn zfail_case(&self, options: &ShadowOptions) -> Case {
+        let needs_light_cap = !options.cull_caps || self.culler.light_cap_may_show(&self.caster.bounds);
+        if needs_light_cap { Case::Fail } else { Case::FailWithoutLightCap }
+    }
+
+    fn add_part(
+        &self,
+        plan: &mut Plan,
+        report: &mut CasterReport,
+        (chain, volume, overlaps): (&Chain, &ShadowVolume, u32),
+        (mut case, mut why): (Case, Why),
+        light: LightPosition,
+        options: &ShadowOptions,
+    ) {
+        let mut start = 0;
+        if options.method == Method::EyeCount && case != Case::Pass {
+            match self.chooser.eye_count(self.caster, chain, volume) {
+                None => why = Why::SideCrossesNearRectangle,
+                Some(count) => {
+                    start = count;
+                    (case, why) = (Case::Pass, Why::EyeCounted(count));
+                }
+            }
+        }
+        let has_room = plan.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS);
+        if !has_room {
+            plan.batches.push(Batch::default());
+        }
+        let batch = plan.batches.last_mut().expect("one was pushed if there was none");
+        batch.overlaps += overlaps;
+        batch.start += start;
+
+        let shows_dark_cap = !options.cull_caps || self.culler.dark_cap_may_show(&self.caster.bounds);
+        for (part, is_short, indices) in
+            emit(&mut plan.indices, self.caster, self.block, chain, volume, (case, shows_dark_cap), light, report)
+        {
+            let base_vertex = self.block.first_vertex as i32;
+            batch.draws.push(Draw { part, is_short, indices, base_vertex, rect: self.rect });
+        }
+        report.parts += 1;
+        report.fate = merge(report.fate, case, why);
+    }
+}
+
+/// The fate of a caster that had `before` and now a part in `case`: the dearest case of its parts, and all that was counted at the eye.
+fn merge(before: Fate, case: Case, why: Why) -> Fate {
+    let Fate::Drawn { case: case_before, why: why_before } = before else { return Fate::Drawn { case, why } };
+    let why = match (why_before, why) {
+        (Why::EyeCounted(a), Why::EyeCounted(b)) => Why::EyeCounted(a + b),
+        (Why::SideCrossesNearRectangle, _) => why_before,
+        _ => why,
+    };
+    Fate::Drawn { case: case.max(case_before), why }
+}

@@ -1,0 +1,97 @@
+//! What was drawn for each light and caster, what was not, and why.
+
+use umbrae_core::{Case, PixelRect};
+
+/// What became of one caster under one light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CasterReport {
+    /// Drawn, or why not.
+    pub fate: Fate,
+    /// Different edges on the chain's boundary.
+    pub silhouette_edges: usize,
+    /// Triangles drawn for the sides.
+    pub side_triangles: usize,
+    /// Triangles drawn for the dark cap.
+    pub dark_cap_triangles: usize,
+    /// Triangles drawn for the light cap.
+    pub light_cap_triangles: usize,
+    /// Triangles of the chain, multiplicities counted: what a light cap and a dark cap have each when nothing is left out.
+    pub chain_triangles: usize,
+    /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
+    pub parts: usize,
+    /// Bytes of an index: 2 or 4. A triangle moves three.
+    pub index_bytes: usize,
+    /// Pixels into which its volume was drawn; `None` if it was not.
+    pub rect: Option<PixelRect>,
+}
+
+impl CasterReport {
+    pub(crate) fn of_fate(fate: Fate) -> Self {
+        Self {
+            fate,
+            silhouette_edges: 0,
+            side_triangles: 0,
+            dark_cap_triangles: 0,
+            light_cap_triangles: 0,
+            chain_triangles: 0,
+            parts: 0,
+            index_bytes: 0,
+            rect: None,
+        }
+    }
+
+    /// Its case if it was drawn.
+    pub fn case(&self) -> Option<Case> {
+        if let Fate::Drawn { case, .. } = self.fate { Some(case) } else { None }
+    }
+}
+
+/// Whether a caster was drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// It casts no shadow.
+    NotCasting,
+    /// The light's reach is out of view.
+    LightUnseen,
+    /// It is outside the light's reach or cone.
+    Unreached,
+    /// Its shadow can't be in view.
+    Unseen,
+    /// Its volume was drawn.
+    Drawn {
+        /// McGuire's case.
+        case: Case,
+        /// What decided it.
+        why: Why,
+    },
+}
+
+/// Why a caster is in its case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// No triangle of it is between the light and the near rectangle.
+    NearRectangleClear,
+    /// Some triangle may be between the light and the near rectangle.
+    NearRectangleMayBeShaded,
+    /// The method leaves no choice.
+    Method,
+    /// So many of its volumes hold the near rectangle, and counting started there.
+    EyeCounted(u32),
+    /// A side of its volume crosses the near rectangle, so no one start is right.
+    SideCrossesNearRectangle,
+}
+
+/// What one light cost and drew.
+#[derive(Debug, Clone)]
+pub struct LightReport {
+    /// One entry for each caster, in order.
+    pub casters: Vec<CasterReport>,
+    /// Time on the CPU for facing, silhouettes and volumes of all casters.
+    pub cpu_ms: f64,
+    /// The pixels that the light may change; `None` when its reach is out of view.
+    pub rect: Option<PixelRect>,
+    /// How often the stencil was emptied into its mark so that it would not wrap, plus 1; 0 without volumes.
+    pub batches: usize,
+    /// Bytes of indices uploaded.
+    pub index_bytes: usize,
+}
