@@ -88,8 +88,7 @@ pub async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light]) -> R
         lights.iter().map(|light| frame_group(device, &ambient, camera, light)).collect();
 
     let color = texture(device, COLOR);
-    let (color_view, depth_view) =
-        (color.create_view(&Default::default()), texture(device, DEPTH).create_view(&Default::default()));
+    let (color_view, depth_view) = (color.create_view(&Default::default()), texture(device, DEPTH).create_view(&Default::default()));
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -130,12 +129,7 @@ fn corners(caster: &Caster) -> Vec<[Vec3; 2]> {
     (0..caster.mesh.triangles().len()).flat_map(flat).collect()
 }
 
-fn frame_group(
-    device: &wgpu::Device,
-    pipeline: &wgpu::RenderPipeline,
-    camera: &Camera,
-    light: &Light,
-) -> wgpu::BindGroup {
+fn frame_group(device: &wgpu::Device, pipeline: &wgpu::RenderPipeline, camera: &Camera, light: &Light) -> wgpu::BindGroup {
     let mut floats = camera.clip_from_world().as_mat4().to_cols_array().to_vec();
     floats.extend(light.position.homogeneous().as_vec4().to_array());
     floats.extend(light.strength.extend(0.0).to_array());
@@ -149,47 +143,28 @@ fn frame_group(
 
 /// Depth with ambient light, and one light added where the stencil is [`LIT`]; both with reversed depth, both sides.
 fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-    });
+    let module =
+        device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(SHADER.into()) });
     let entry = wgpu::BindGroupLayoutEntry {
         binding: 0,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     };
     let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &[entry] });
     let layout = wgpu::PipelineLayoutDescriptor { label: None, bind_group_layouts: &[Some(&group)], immediate_size: 0 };
     let layout = device.create_pipeline_layout(&layout);
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
+    let add = wgpu::BlendComponent { src_factor: wgpu::BlendFactor::One, dst_factor: wgpu::BlendFactor::One, operation: wgpu::BlendOperation::Add };
     let is_lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
     let make = |entry_point, compare, face, blend| {
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-        let vertex = wgpu::VertexBufferLayout {
-            array_stride: 24,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
-        };
+        let vertex = wgpu::VertexBufferLayout { array_stride: 24, step_mode: wgpu::VertexStepMode::Vertex, attributes: &attributes };
         let stencil = wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask: 0 };
         let write_mask = wgpu::ColorWrites::ALL;
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(entry_point),
             layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vs"),
-                compilation_options: Default::default(),
-                buffers: &[Some(vertex)],
-            },
+            vertex: wgpu::VertexState { module: &module, entry_point: Some("vs"), compilation_options: Default::default(), buffers: &[Some(vertex)] },
             primitive: wgpu::PrimitiveState::default(),
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH,

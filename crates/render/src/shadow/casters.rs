@@ -71,9 +71,7 @@ impl ShadowCasters {
         let mut vertex_count = 0;
         for caster in casters {
             let block = Block { first_vertex: vertex_count, position_count: caster.positions.len() as u32 };
-            gpu.ensure_buffer_fits(
-                (vertex_count as usize + block.vertex_count() as usize) * size_of::<VolumeVertex>(),
-            )?;
+            gpu.ensure_buffer_fits((vertex_count as usize + block.vertex_count() as usize) * size_of::<VolumeVertex>())?;
             vertex_count += block.vertex_count();
             blocks.push(block);
         }

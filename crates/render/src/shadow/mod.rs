@@ -163,13 +163,7 @@ impl Shadows {
     ///
     /// Binds groups 0 and 1, vertex buffer 0 and the scissor; the scissor stays at the light's rectangle. With [`LightMark::Receivers`]
     /// everything is marked: call [`Shadows::reset`], mark receivers, then [`Shadows::draw_counts`] to do better.
-    pub fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        casters: &ShadowCasters,
-        view: &ShadowView,
-        light: &ShadowLight,
-    ) {
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, casters: &ShadowCasters, view: &ShadowView, light: &ShadowLight) {
         self.reset(pass, light, if light.mark.is_none() { LIT } else { 0 });
         self.draw_reach(pass, view, light);
         self.draw_counts(pass, casters, view, light);

@@ -71,8 +71,12 @@ impl Pipelines {
             })
         };
         let mark = |label, front, back| {
-            let behind =
-                |depth_fail_op| wgpu::StencilFaceState { compare: Always, fail_op: Keep, depth_fail_op, pass_op: Keep };
+            let behind = |depth_fail_op| wgpu::StencilFaceState {
+                compare: Always,
+                fail_op: Keep,
+                depth_fail_op,
+                pass_op: Keep,
+            };
             make(Kind {
                 label,
                 entry_point: "vs_volume",
@@ -88,12 +92,8 @@ impl Pipelines {
             })
         };
         let counting = |label, depth_compare, front_face, [front_fail, front_pass, back_fail, back_pass]: [_; 4]| {
-            let face = |depth_fail_op, pass_op| wgpu::StencilFaceState {
-                compare: Equal,
-                fail_op: Keep,
-                depth_fail_op,
-                pass_op,
-            };
+            let face =
+                |depth_fail_op, pass_op| wgpu::StencilFaceState { compare: Equal, fail_op: Keep, depth_fail_op, pass_op };
             make(Kind {
                 label,
                 entry_point: "vs_volume",

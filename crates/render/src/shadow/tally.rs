@@ -45,7 +45,8 @@ impl Tally {
         let shadows = Shadows::new(gpu, &target);
         let module = shaders::volume(&gpu.device);
         let make = |label, entry_point, depth_compare, front_face, stencil_compare, fragment| {
-            let face = wgpu::StencilFaceState { compare: stencil_compare, ..wgpu::StencilFaceState::IGNORE };
+            let face =
+                wgpu::StencilFaceState { compare: stencil_compare, ..wgpu::StencilFaceState::IGNORE };
             let kind = Kind {
                 label,
                 entry_point,
