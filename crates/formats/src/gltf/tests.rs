@@ -623,11 +623,12 @@ fn primitives_with_and_without_textures_share_a_mesh() {
 fn alpha_means_what_its_mode_says() {
     let mut builder = one_triangle();
     let transmission = |factor: f64| json!({"KHR_materials_transmission": {"transmissionFactor": factor}});
+    let quarter = json!({"baseColorFactor": [1, 1, 1, 0.25]});
     builder.json["materials"] = json!([
-        {"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]}},
-        {"name": "leaf", "alphaMode": "MASK"},
-        {"alphaMode": "MASK", "alphaCutoff": 0.125},
-        {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]}},
+        {"pbrMetallicRoughness": quarter},
+        {"name": "leaf", "alphaMode": "MASK", "pbrMetallicRoughness": quarter},
+        {"alphaMode": "MASK", "alphaCutoff": 0.375, "pbrMetallicRoughness": quarter},
+        {"alphaMode": "BLEND", "pbrMetallicRoughness": quarter},
         {"name": "pane", "extensions": transmission(1.0)},
         {"extensions": transmission(0.0)},
     ]);
@@ -635,7 +636,7 @@ fn alpha_means_what_its_mode_says() {
     let modes: Vec<AlphaMode> = model.scene.materials.iter().map(|material| material.alpha_mode).collect();
     let cut = |cutoff: f32| AlphaMode::Mask { cutoff };
     use AlphaMode::{Blend, Opaque};
-    assert_eq!(modes, [Opaque, cut(0.5), cut(0.125), Blend, Blend, Opaque, Opaque]);
+    assert_eq!(modes, [Opaque, cut(0.5), cut(0.375), Blend, Blend, Opaque, Opaque]);
     assert_eq!(model.scene.materials[3].alpha, 0.25);
     assert!((model.scene.materials[4].alpha - 0.3).abs() < 1e-6);
     assert_eq!(
@@ -645,4 +646,31 @@ fn alpha_means_what_its_mode_says() {
             "1 transmitting material is drawn as plain glass (first: \"pane\")",
         ]
     );
+}
+
+#[test]
+fn a_material_that_is_whole_everywhere_is_opaque_whatever_it_says() {
+    for (alpha, is_whole) in [(255, true), (254, false)] {
+        let mut builder = one_textured_triangle(&json!({"index": 0}));
+        let picture = image::RgbaImage::from_vec(2, 1, vec![9, 9, 9, 255, 9, 9, 9, alpha]).expect("two texels");
+        let mut png = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut png, image::ImageFormat::Png).expect("memory takes it");
+        let view = builder.view(&png.into_inner());
+        builder.json["images"] = json!([{"bufferView": view}]);
+        let material = |mode: &str, cutoff: f32| {
+            let texture = json!({"baseColorTexture": {"index": 0}});
+            json!({"alphaMode": mode, "alphaCutoff": cutoff, "pbrMetallicRoughness": texture})
+        };
+        builder.json["materials"] = json!([material("BLEND", 0.5), material("MASK", 0.5), material("MASK", 1.0)]);
+        let modes: Vec<AlphaMode> = builder.model().scene.materials.iter().map(|m| m.alpha_mode).collect();
+        let expected = if is_whole {
+            [AlphaMode::Opaque; 3]
+        } else {
+            [AlphaMode::Blend, AlphaMode::Opaque, AlphaMode::Mask { cutoff: 1.0 }]
+        };
+        assert_eq!(modes[..3], expected);
+    }
+    let mut builder = one_triangle();
+    builder.json["materials"] = json!([{"alphaMode": "BLEND"}]);
+    assert_eq!(builder.model().scene.materials[0].alpha_mode, AlphaMode::Opaque, "nothing shows through");
 }
