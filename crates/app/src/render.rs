@@ -11,12 +11,11 @@ use umbrae_render::{
 use web_time::Instant;
 
 use crate::area::{Area, as_points};
-use crate::cast::CastChoice;
 use crate::cli::{Method, RenderArgs};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
-use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::report::{CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, Times, VerifyJson};
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
@@ -58,7 +57,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     if let Some(ground) = &ground {
         add_ground(&mut scene, ground);
     }
-    for warning in cast_choice(args).assign(&mut scene) {
+    for warning in args.shadows.cast_choice().assign(&mut scene) {
         talk.warning(&warning);
     }
 
@@ -72,7 +71,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let start = Instant::now();
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
     times.upload = ms_since(start);
-    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
+    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadows.options(), look };
 
     let start = Instant::now();
     let mut picture = stage.picture()?;
@@ -82,6 +81,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         args.show.map(|mode| stage.show(mode, args.show_light.as_deref(), has_ground, &mut picture)).transpose()?;
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
+    let costs = args.shadows.counts_fragments.then(|| stage.costs()).transpose()?;
     let start = Instant::now();
     let (verified, wrong) = args.verify.then(|| verify(&stage, &scene, talk)).transpose()?.unzip();
     let wrong = wrong.flatten().filter(|_| outputs.errors.is_some());
@@ -96,10 +96,15 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
         camera: CameraReport::new(&camera, origin),
         samples: args.samples,
-        method: method_name(args.method),
+        method: Method::name(stage.shadows.method),
+        left_out: LeftOut::new(&stage.shadows),
         show,
         lights: (stage.lights.iter().zip(&picture.lights))
-            .map(|(light, report)| LightJson::new(light, report, &stage.casters, origin))
+            .enumerate()
+            .map(|(i, (light, report))| {
+                let costs = costs.as_ref().map(|costs| costs[i]);
+                LightJson::new(light, report, costs, &stage.casters, origin)
+            })
             .collect(),
         passes: picture.passes.iter().map(Into::into).collect(),
         times_ms: times,
@@ -151,6 +156,18 @@ impl Stage {
             None => Numbers::None,
         };
         Ok(show.finish(&mut picture.rgba, &numbers))
+    }
+
+    /// For each light what it costs, and what it would with nothing left out.
+    fn costs(&self) -> anyhow::Result<Vec<[Cost; 2]>> {
+        let everything = ShadowOptions::without_culling(self.shadows.method);
+        let cost = |light: &Light, shadows: ShadowOptions| -> anyhow::Result<Cost> {
+            let shot = Shot { shadows, ..self.shot() };
+            let fill = pollster::block_on(self.renderer.fill(&shot, light))?;
+            let mask = pollster::block_on(self.renderer.mask(&shot, light))?;
+            Ok(Cost::new(&mask.light, Some(fill.iter().map(|&fragments| u64::from(fragments)).sum())))
+        };
+        self.lights.iter().map(|light| Ok([cost(light, self.shadows)?, cost(light, everything)?])).collect()
     }
 
     fn shot(&self) -> Shot<'_> {
@@ -298,10 +315,6 @@ fn view_choice(args: &RenderArgs) -> ViewChoice {
     }
 }
 
-fn cast_choice(args: &RenderArgs) -> CastChoice {
-    CastChoice { cast: args.cast.clone(), no_cast: args.no_cast.clone(), glass_casts: args.glass_casts }
-}
-
 /// The lights as they are drawn: each lamp as many if it is to have a size.
 fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk) -> Vec<Light> {
     let Some(samples) = args.area_samples else { return lights };
@@ -335,14 +348,6 @@ fn summary(stage: &Stage, args: &RenderArgs) -> String {
         counted(stage.lights.len(), "light"),
         stage.renderer.gpu().label
     )
-}
-
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Auto => "auto",
-        Method::Zpass => "zpass",
-        Method::Zfail => "zfail",
-    }
 }
 
 fn ms_since(start: Instant) -> f64 {
