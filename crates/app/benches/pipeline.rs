@@ -12,8 +12,9 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use anyhow::{Context as _, ensure};
+use umbrae::lights::{LampChoice, LampPlace, lights, reaching};
 use umbrae::sample::{Sample, glb_bytes};
-use umbrae::view::{ViewChoice, add_ground, camera, ground_under, lights};
+use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, Mesh, Object, Scene, ShadowVolume, Surface, Topology, Windings, silhouette,
 };
@@ -198,15 +199,17 @@ impl Stage {
     fn new(mut scene: Scene) -> anyhow::Result<Self> {
         let model = scene.bounds();
         let lamp = scene.origin + model.center() + LAMP_RADII * model.radius();
-        let choice =
-            ViewChoice { size_px: SIZE_PX, sun_deg: Some(SUN_DEG), points: vec![lamp], ..ViewChoice::default() };
+        let choice = ViewChoice { size_px: SIZE_PX, ..ViewChoice::default() };
+        let [azimuth_deg, altitude_deg] = SUN_DEG;
+        let lamps = [LampPlace::Sun { azimuth_deg, altitude_deg }, LampPlace::Point(lamp)].map(LampChoice::new);
         let ground = ground_under(&model);
         let camera = camera(&choice, &scene, &model, Some(&ground))?;
-        let lights = lights(&choice, &scene, &model);
+        let lights = lights(&lamps, &scene, &model);
         add_ground(&mut scene, &ground);
         let casters = Caster::of_scene(&scene);
         let seen = casters.iter().map(|caster| Windings::of_near_rectangle(caster, &camera)).collect();
         let look = Look::for_model(&model, &lights);
+        let lights = reaching(lights, look.exposure);
         Ok(Self { scene, casters, seen, camera, lights, look })
     }
 

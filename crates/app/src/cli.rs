@@ -1,5 +1,7 @@
 //! What can be asked for. Parsing does nothing but parse.
 
+mod light;
+
 use std::ffi::OsString;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
@@ -10,10 +12,13 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 
+use crate::cast::Pattern;
 use crate::output::write_to_stdout;
-use crate::parse::{azimuth_altitude_deg, fov_deg, picture_size, xyz};
+use crate::parse::{fov_deg, metres, picture_size, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
+
+pub use self::light::LightArgs;
 
 /// Exact shadows of real models
 ///
@@ -178,23 +183,41 @@ pub struct RenderArgs {
     #[arg(long, help_heading = "View")]
     pub no_ground: bool,
 
-    /// The sun: degrees clockwise from north, and degrees above the horizon; without --sun and --point, the model's own lights shine
-    /// (default: 238,40 if it has none)
+    /// The lamps, in the order of the command line.
+    #[command(flatten)]
+    pub light: LightArgs,
+
+    /// Give every lamp a size: draw it as COUNT lamps that share its strength, for soft shadows; takes COUNT times as long
+    #[arg(long, value_name = "COUNT", value_parser = area_sample_count(), allow_hyphen_values = true, help_heading = "Light")]
+    pub area_samples: Option<u32>,
+
+    /// Metres from a lamp's middle to its edge: a ball, or for a --spot a disc (default: a fiftieth of the model's radius, or of the lamp's
+    /// range where that is less)
     #[arg(
         long,
-        value_name = "AZIMUTH,ALTITUDE",
-        value_parser = azimuth_altitude_deg,
+        value_name = "METRES",
+        value_parser = metres,
         allow_hyphen_values = true,
+        requires = "area_samples",
         help_heading = "Light"
     )]
-    pub sun: Option<[f64; 2]>,
+    pub area_radius: Option<f64>,
 
-    /// A lamp at this point; may be given several times
-    #[arg(long, value_name = "X,Y,Z", value_parser = xyz, allow_hyphen_values = true, help_heading = "Light")]
-    pub point: Vec<DVec3>,
+    /// Only these cast shadows: names of objects or materials, separated by commas, in which * stands for anything and ? for one
+    /// character; `umbrae inspect` lists them, and the ground is an object `ground`
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Shadows")]
+    pub cast: Vec<Pattern>,
+
+    /// These cast no shadow, even if --cast names them
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Shadows")]
+    pub no_cast: Vec<Pattern>,
+
+    /// Let glass (what glTF calls alpha mode BLEND) cast like anything else
+    #[arg(long, help_heading = "Shadows")]
+    pub glass_casts: bool,
 
     /// How shadow volumes are counted
-    #[arg(long, default_value = "auto", help_heading = "Light")]
+    #[arg(long, default_value = "auto", help_heading = "Shadows")]
     pub method: Method,
 
     /// Use the graphics adapter whose line in `umbrae doctor` contains NAME
@@ -209,6 +232,13 @@ pub struct RenderArgs {
 fn sample_count() -> impl clap::builder::TypedValueParser<Value = u32> {
     PossibleValuesParser::new(["1", "4"]).try_map(|count| count.parse::<u32>())
 }
+
+fn area_sample_count() -> impl clap::builder::TypedValueParser<Value = u32> {
+    clap::value_parser!(u32).range(1..=MAX_AREA_SAMPLES)
+}
+
+/// Each is a lamp of its own, and a lamp takes hundredths of a second at the least.
+const MAX_AREA_SAMPLES: i64 = 4096;
 
 /// Tell what a model is made of and how it will cast; needs no graphics driver
 #[derive(Debug, Args)]
@@ -234,6 +264,10 @@ pub struct SampleArgs {
     /// File to write (GLB)
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+
+    /// The town under 20 street lamps instead of the sun
+    #[arg(long)]
+    pub night: bool,
 }
 
 impl RenderArgs {
@@ -343,7 +377,7 @@ mod tests {
         let mut command = Cli::command();
         command.build();
         let help = command.find_subcommand_mut("render").expect("it is a command").render_long_help().to_string();
-        let [azimuth, altitude] = crate::view::DEFAULT_SUN_DEG;
+        let [azimuth, altitude] = crate::lights::DEFAULT_SUN_DEG;
         assert!(help.contains(&format!("default: {azimuth},{altitude} if")), "{help}");
         assert!(help.contains(&format!("default: {})", crate::view::DEFAULT_FOV_DEG)), "{help}");
     }

@@ -1,17 +1,20 @@
 //! `umbrae inspect`: what a model is made of, and how it will cast. Starts no GPU.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
 use serde::Serialize;
-use umbrae_core::{Bounds, Caster, Mesh, MeshCounts, Object, Scene, Surface, Topology, TopologyCounts};
+use umbrae_core::{
+    Bounds, Caster, Light, Material, Mesh, MeshCounts, Object, Scene, Surface, Topology, TopologyCounts,
+};
 use umbrae_formats::{Format, Model};
 
 use crate::cli::InspectArgs;
 use crate::model::{format_name, load_one};
 use crate::output::write_to_stdout;
-use crate::talk::{Talk, printable};
+use crate::talk::{Talk, counted, printable};
 
 /// The JSON of `umbrae inspect --json`.
 #[derive(Debug, Serialize)]
@@ -25,6 +28,9 @@ pub struct Inspection {
     objects: Vec<ObjectJson>,
     cameras: Vec<String>,
     lights: Vec<String>,
+    /// For each light, its kind and its reach, in words.
+    #[serde(skip)]
+    light_texts: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -74,6 +80,8 @@ pub struct BoundsJson {
 #[derive(Debug, Serialize)]
 struct ObjectJson {
     name: String,
+    /// Names of those in use, in the order of the file; "" where one has none.
+    materials: Vec<String>,
     #[serde(flatten)]
     counts: Counts,
 }
@@ -101,10 +109,11 @@ impl Inspection {
         let scene = &model.scene;
         let origin = scene.origin;
         let casters = Caster::of_scene(scene);
-        let counted = casters
+        let objects = casters
             .iter()
             .map(|caster| ObjectJson {
                 name: caster.name.clone(),
+                materials: materials_of(caster, &scene.materials),
                 counts: Counts::new(
                     caster.mesh.counts(),
                     caster.mesh.positions().len(),
@@ -127,9 +136,10 @@ impl Inspection {
             },
             origin: origin.to_array(),
             total,
-            objects: counted,
+            objects,
             cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
             lights: scene.lights.iter().map(|l| l.name.clone()).collect(),
+            light_texts: scene.lights.iter().map(light_text).collect(),
             warnings: model.warnings.iter().map(ToString::to_string).collect(),
         }
     }
@@ -145,15 +155,18 @@ impl Inspection {
         if self.origin != [0.0; 3] {
             let _ = writeln!(text, "  origin                 {:?}", self.origin);
         }
-        for (what, names) in [("camera", &self.cameras), ("light", &self.lights)] {
+        for (what, names) in [("camera", &self.cameras), ("light", &self.light_texts)] {
             for name in names {
                 let _ = writeln!(text, "  {what:<22} {}", printable(name));
             }
         }
-        if self.objects.len() > 1 {
-            let _ = writeln!(text, "{} objects", self.objects.len());
-            for object in &self.objects {
-                let _ = writeln!(text, "  {}", printable(&object.name));
+        let _ = writeln!(text, "{}", counted(self.objects.len(), "object"));
+        for object in &self.objects {
+            let _ = writeln!(text, "  {}", printable(&object.name));
+            let materials: Vec<_> = object.materials.iter().map(|name| name_text(name)).collect();
+            let _ = writeln!(text, "    {:<22} {}", "materials", materials.join(", "));
+            // One object is the whole, which was counted above.
+            if self.objects.len() > 1 {
                 object.counts.write_to(&mut text, "    ");
             }
         }
@@ -209,6 +222,26 @@ impl Counts {
             let _ = writeln!(text, "{indent}{name:<22} {value}");
         }
     }
+}
+
+/// The names of the materials that a caster's triangles have.
+fn materials_of(caster: &Caster, materials: &[Material]) -> Vec<String> {
+    let used: BTreeSet<u32> = caster.mesh.triangle_materials().iter().copied().collect();
+    used.iter().filter_map(|&m| materials.get(m as usize)).map(|material| material.name.clone()).collect()
+}
+
+fn light_text(light: &Light) -> String {
+    let kind = match light.cone {
+        _ if light.position.is_directional() => "directional".to_owned(),
+        Some(cone) => format!("spot, {:.0} degrees to its edge", cone.outer_rad.to_degrees()),
+        None => "point".to_owned(),
+    };
+    let reach = light.range_m.map_or_else(String::new, |range_m| format!(", reaches {range_m:.1} m"));
+    format!("{}: {kind}{reach}", light.name)
+}
+
+fn name_text(name: &str) -> Cow<'_, str> {
+    if name.is_empty() { Cow::Borrowed("(without a name)") } else { printable(name) }
 }
 
 /// Each mesh once.

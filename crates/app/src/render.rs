@@ -4,20 +4,23 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
+use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Oracle};
 use umbrae_render::{
     AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
 };
 use web_time::Instant;
 
+use crate::area::{Area, as_points};
+use crate::cast::CastChoice;
 use crate::cli::{Method, RenderArgs};
+use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
 use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
-use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under, lights};
+use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
 
 /// Everything a picture is made of, ready to draw.
 struct Stage {
@@ -36,6 +39,7 @@ struct Stage {
 ///
 /// Whatever is wrong with the input, the output's place or the device; then nothing is written.
 pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
+    let lamps = args.light.lamps()?;
     let outputs = Outputs::create(args)?;
     let mut times = Times::default();
 
@@ -47,11 +51,16 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let ground = (!args.no_ground).then(|| ground_under(&model));
     ensure_drawable(&scene, &model, ground.as_ref()).with_context(|| format!("can't draw {}", names(&args.models)))?;
     let camera = camera(&choice, &scene, &model, ground.as_ref())?;
-    let lights = lights(&choice, &scene, &model);
+    let lights = lights(&lamps, &scene, &model);
+    let look = Look::for_model(&model, &lights);
+    warn_of_darkness(&lights, talk);
+    let lights = with_sizes(reaching(lights, look.exposure), &model, args, talk);
     if let Some(ground) = &ground {
         add_ground(&mut scene, ground);
     }
-    warn_of_darkness(&lights, talk);
+    for warning in cast_choice(args).assign(&mut scene) {
+        talk.warning(&warning);
+    }
 
     let start = Instant::now();
     let casters = Caster::of_scene(&scene);
@@ -63,7 +72,6 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let start = Instant::now();
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
     times.upload = ms_since(start);
-    let look = Look::for_model(&model, &lights);
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 
     let start = Instant::now();
@@ -288,9 +296,20 @@ fn view_choice(args: &RenderArgs) -> ViewChoice {
         target: args.target,
         fov_deg: args.fov,
         camera_name: args.camera.clone(),
-        sun_deg: args.sun,
-        points: args.point.clone(),
     }
+}
+
+fn cast_choice(args: &RenderArgs) -> CastChoice {
+    CastChoice { cast: args.cast.clone(), no_cast: args.no_cast.clone(), glass_casts: args.glass_casts }
+}
+
+/// The lights as they are drawn: each lamp as many if it is to have a size.
+fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk) -> Vec<Light> {
+    let Some(samples) = args.area_samples else { return lights };
+    if lights.iter().all(|light| light.position.is_directional()) {
+        talk.warning("--area-samples changes nothing: no light is a lamp");
+    }
+    as_points(lights, Area { samples, radius_m: args.area_radius }, model)
 }
 
 /// Each in quotation marks.

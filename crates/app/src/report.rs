@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use serde::Serialize;
-use umbrae_core::{Camera, Caster, Light};
+use umbrae_core::{Camera, Caster, Cone, Light};
 use umbrae_formats::UpAxis;
 use umbrae_render::{CasterReport, Comparison, LightReport, PassTime};
 
@@ -49,11 +49,15 @@ pub struct Report {
 /// One file.
 #[derive(Debug, Serialize)]
 pub struct ModelReport {
+    /// As given.
     path: String,
+    /// "gltf", "obj", "ply" or "stl".
     format: &'static str,
+    /// The file's axis that is up: "y" or "z".
     up: &'static str,
     /// Rows of the rotation from the file's axes to x east, y north, z up.
     world_from_file: [[f64; 3]; 3],
+    /// What was left out of it.
     warnings: Vec<String>,
 }
 
@@ -77,8 +81,11 @@ impl ModelReport {
 /// A square of two triangles that is drawn and casts like everything else.
 #[derive(Debug, Serialize)]
 pub struct GroundReport {
+    /// Its z.
     height: f64,
+    /// Its middle's x and y.
     center: [f64; 2],
+    /// Half of its side.
     half_extent: f64,
 }
 
@@ -97,11 +104,17 @@ impl GroundReport {
 /// and sees from view depth `near`, where `half_height = tan(fov_y / 2)` and `half_width = half_height * width / height`.
 #[derive(Debug, Serialize)]
 pub struct CameraReport {
+    /// Where it is.
     eye: [f64; 3],
+    /// What it looks at.
     target: [f64; 3],
+    /// Upwards in the picture; a unit vector, not always across the view.
     up: [f64; 3],
+    /// Full vertical angle.
     fov_y_deg: f64,
+    /// View depth from which on it sees.
     near: f64,
+    /// Pixels across and down.
     size: [u32; 2],
 }
 
@@ -120,18 +133,36 @@ impl CameraReport {
 }
 
 /// One light and what it drew.
+///
+/// A directional light gives a surface that faces it `strength`. A lamp d metres away gives it `strength / d^2 * (1 - (d / range)^4)`, and
+/// nothing from its range on; a spot that times `edge^2`, where `edge` goes from 1 to 0 as the cosine of the angle from the cone's middle
+/// goes from that of `inner_deg` to that of `outer_deg`.
 #[derive(Debug, Serialize)]
 pub struct LightJson {
     name: String,
+    /// "directional", "point" or "spot".
     kind: &'static str,
-    /// Of a point light.
+    /// Of a point or a spot.
     #[serde(skip_serializing_if = "Option::is_none")]
     position: Option<[f64; 3]>,
     /// Of a directional light: the unit vector towards it.
     #[serde(skip_serializing_if = "Option::is_none")]
     direction_to_light: Option<[f64; 3]>,
+    /// Of a spot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cone: Option<ConeJson>,
+    /// Of a point or a spot: metres at which it has faded to nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<f64>,
+    /// `color` times `intensity`: irradiance of a directional light, and of a lamp at 1 m.
     strength: [f32; 3],
+    /// Linear; the strongest channel is 1, or all are 0.
+    color: [f32; 3],
+    /// Of the strongest channel: lux of a directional light, candela of a lamp.
+    intensity: f32,
+    /// Time on the CPU for facing, silhouettes and volumes of all casters.
     silhouettes_and_volumes_ms: f64,
+    /// One entry for each object, the ground last; an object in which only some triangles cast has two, of one name.
     casters: Vec<CasterJson>,
 }
 
@@ -140,14 +171,44 @@ impl LightJson {
     pub fn new(light: &Light, report: &LightReport, casters: &[Caster], origin: DVec3) -> Self {
         let xyz = light.position.homogeneous().truncate();
         let is_directional = light.position.is_directional();
+        let intensity = light.strength.max_element();
         Self {
             name: light.name.clone(),
-            kind: if is_directional { "directional" } else { "point" },
+            kind: match light.cone {
+                _ if is_directional => "directional",
+                Some(_) => "spot",
+                None => "point",
+            },
             position: (!is_directional).then(|| (xyz + origin).to_array()),
             direction_to_light: is_directional.then(|| xyz.to_array()),
+            cone: light.cone.filter(|_| !is_directional).map(Into::into),
+            range: light.range_m.filter(|_| !is_directional),
             strength: light.strength.to_array(),
+            color: (light.strength / if intensity > 0.0 { intensity } else { 1.0 }).to_array(),
+            intensity,
             silhouettes_and_volumes_ms: report.cpu_ms,
-            casters: casters.iter().zip(&report.casters).map(|(c, r)| CasterJson::new(&c.name, r)).collect(),
+            casters: casters.iter().zip(&report.casters).map(|(c, r)| CasterJson::new(c, r)).collect(),
+        }
+    }
+}
+
+/// Where a spot shines.
+#[derive(Debug, Serialize)]
+pub struct ConeJson {
+    /// The unit vector along its middle, away from the light.
+    direction: [f64; 3],
+    /// From the middle to where its edge begins.
+    inner_deg: f64,
+    /// From the middle to where it ends.
+    outer_deg: f64,
+}
+
+impl From<Cone> for ConeJson {
+    fn from(cone: Cone) -> Self {
+        Self {
+            direction: cone.axis.to_array(),
+            inner_deg: cone.inner_rad.to_degrees(),
+            outer_deg: cone.outer_rad.to_degrees(),
         }
     }
 }
@@ -156,24 +217,35 @@ impl LightJson {
 #[derive(Debug, Serialize)]
 pub struct CasterJson {
     name: String,
+    /// Whether it casts at all: see `--cast`, `--no-cast` and `--glass-casts`.
+    casts: bool,
+    /// Whether what is behind it shows through.
+    is_glass: bool,
     /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     case: Option<u32>,
+    /// Different edges between what is turned to the light and what is not.
     silhouette_edges: usize,
+    /// What its shadow volume is drawn with.
     triangles: TrianglesByPart,
 }
 
 #[derive(Debug, Serialize)]
 struct TrianglesByPart {
+    /// Between the silhouette and its shadow.
     sides: usize,
+    /// At infinity.
     dark_cap: usize,
+    /// On the caster itself.
     light_cap: usize,
 }
 
 impl CasterJson {
-    fn new(name: &str, report: &CasterReport) -> Self {
+    fn new(caster: &Caster, report: &CasterReport) -> Self {
         Self {
-            name: name.to_owned(),
+            name: caster.name.clone(),
+            casts: caster.role.casts,
+            is_glass: caster.role.is_glass,
             case: report.case().map(umbrae_core::Case::number),
             silhouette_edges: report.silhouette_edges,
             triangles: TrianglesByPart {

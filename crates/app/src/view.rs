@@ -1,10 +1,10 @@
-//! The camera, the lights and the ground of a picture: what the user said, and good answers to what was left unsaid.
+//! The camera and the ground of a picture: what the user said, and good answers to what was left unsaid.
 
 use std::sync::Arc;
 
 use anyhow::{bail, ensure};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
-use umbrae_core::{Bounds, Camera, Light, LightPosition, Material, Mesh, Object, Scene, Surface};
+use umbrae_core::{Bounds, Camera, LightPosition, Material, Mesh, Object, Scene, Surface};
 
 /// What the user said about the view; positions in the model's coordinates.
 #[derive(Debug, Clone, Default)]
@@ -19,10 +19,6 @@ pub struct ViewChoice {
     pub fov_deg: Option<f64>,
     /// A camera of the model.
     pub camera_name: Option<String>,
-    /// Azimuth and altitude.
-    pub sun_deg: Option<[f64; 2]>,
-    /// Lamps.
-    pub points: Vec<DVec3>,
 }
 
 /// The ground plane: two triangles just under the model, far larger than it.
@@ -36,12 +32,6 @@ pub struct Ground {
     pub half_extent_m: f64,
 }
 
-/// The afternoon sun of a picture without lights: from the south-west, so that the shadows of a model that faces south fall back and to the right.
-pub(crate) const DEFAULT_SUN_DEG: [f64; 2] = [238.0, 40.0];
-/// Irradiance of the sun against that of anything else; only ratios are seen.
-const SUN_STRENGTH: Vec3 = Vec3::new(3.2, 3.05, 2.8);
-/// A lamp gives this irradiance at the model's middle, or where its bounding sphere would be if it is nearer.
-const LAMP_STRENGTH: Vec3 = Vec3::new(3.1, 2.95, 2.7);
 /// Where the eye of a default view is: clockwise from north, and above the horizon, seen from the model.
 const DEFAULT_EYE_DEG: [f64; 2] = [152.0, 24.0];
 pub(crate) const DEFAULT_FOV_DEG: f64 = 35.0;
@@ -115,36 +105,6 @@ pub fn add_ground(scene: &mut Scene, ground: &Ground) {
     scene.materials.push(Material::new("ground", Vec3::new(0.60, 0.585, 0.56)));
     let mesh = Mesh::new(surface).expect("a drawable model has a finite ground");
     scene.objects.push(Object::new("ground", Arc::new(mesh), DAffine3::IDENTITY));
-}
-
-/// The lights: the user's, else the model's, else an afternoon sun.
-pub fn lights(choice: &ViewChoice, scene: &Scene, model: &Bounds) -> Vec<Light> {
-    let mut lights = Vec::new();
-    if let Some(sun) = choice.sun_deg {
-        lights.push(sun_light(sun));
-    }
-    for (i, point) in choice.points.iter().enumerate() {
-        let position = *point - scene.origin;
-        let distance = position.distance(model.center()).max(radius_of(model));
-        let strength = LAMP_STRENGTH * (distance * distance) as f32;
-        lights.push(Light::new(format!("point {}", i + 1), LightPosition::point(position), strength));
-    }
-    if lights.is_empty() {
-        lights.clone_from(&scene.lights);
-    }
-    if lights.is_empty() {
-        lights.push(sun_light(DEFAULT_SUN_DEG));
-    }
-    for light in &mut lights {
-        // What draws and what verifies must mean the same light.
-        light.position = light.position.rounded_to_f32();
-    }
-    lights
-}
-
-fn sun_light([azimuth_deg, altitude_deg]: [f64; 2]) -> Light {
-    let position = LightPosition::sun(azimuth_deg.to_radians(), altitude_deg.to_radians());
-    Light::new("sun", position, SUN_STRENGTH)
 }
 
 /// The camera: the model's if named, else what the user said, else one that frames the model. `ground` is the one that will be drawn.

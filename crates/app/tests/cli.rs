@@ -6,10 +6,14 @@
 mod bad_files;
 #[path = "cli/bad_options.rs"]
 mod bad_options;
+#[path = "cli/casting.rs"]
+mod casting;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/independent.rs"]
 mod independent;
+#[path = "cli/lights.rs"]
+mod lights;
 #[path = "cli/memory.rs"]
 mod memory;
 #[path = "cli/odd_models.rs"]

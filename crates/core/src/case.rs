@@ -80,6 +80,17 @@ impl CaseChooser {
         }
     }
 
+    /// The case of anything that casts from within `bounds`; never a lower one than its triangles would have.
+    pub fn case_of_bounds(&self, bounds: &Bounds) -> Case {
+        if !self.near_pyramid.may_meet_box(bounds) {
+            Case::Pass
+        } else if self.view.may_meet_box(bounds) {
+            Case::Fail
+        } else {
+            Case::FailWithoutLightCap
+        }
+    }
+
     /// The case when z-fail is asked for: 2 or 3.
     pub fn case_without_zpass(&self, caster: &Caster) -> Case {
         if self.view.may_meet_box(&caster.bounds) { Case::Fail } else { Case::FailWithoutLightCap }

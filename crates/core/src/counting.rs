@@ -25,25 +25,29 @@ impl ShadowVolume {
         point: DVec3,
         direction: DVec3,
     ) -> Option<i32> {
-        let count = self.count_along(positions, light, point.extend(1.0), direction.extend(0.0))?;
-        let mut beyond = 0;
-        for [a, b, c] in self.dark_cap(positions, light) {
-            beyond += exit_at_infinity(direction, a.truncate(), b.truncate(), c.truncate())?;
-        }
-        Some(count + beyond)
+        let count = exits(self.finite_faces(positions, light), point.extend(1.0), direction.extend(0.0))?;
+        Some(count + exits_at_infinity(self.dark_cap(positions, light), direction)?)
     }
 
     /// How many more volumes hold `point` than hold `eye`: what z-pass leaves in the stencil.
     ///
     /// Exits count +1 from the point's end, so the difference is that of the two [`ShadowVolume::count_to_infinity`].
     pub fn count_from_eye(&self, positions: &[Vec3], light: LightPosition, eye: DVec3, point: DVec3) -> Option<i32> {
-        self.count_along(positions, light, point.extend(1.0), eye.extend(1.0))
+        exits(self.finite_faces(positions, light), point.extend(1.0), eye.extend(1.0))
     }
+}
 
-    /// Exits less entries on the way from `from` to `to`.
-    fn count_along(&self, positions: &[Vec3], light: LightPosition, from: DVec4, to: DVec4) -> Option<i32> {
-        self.finite_faces(positions, light).map(|[a, b, c]| exit(from, to, a, b, c)).sum()
-    }
+/// Exits less entries through `faces` on the way from `from` to `to`.
+pub(crate) fn exits(mut faces: impl Iterator<Item = [DVec4; 3]>, from: DVec4, to: DVec4) -> Option<i32> {
+    faces.try_fold(0, |sum, [a, b, c]| Some(sum + exit(from, to, a, b, c)?))
+}
+
+/// Exits less entries through `faces`, all at infinity, of whoever goes in `direction` for ever.
+pub(crate) fn exits_at_infinity(mut faces: impl Iterator<Item = [DVec4; 3]>, direction: DVec3) -> Option<i32> {
+    faces.try_fold(0, |sum, face| {
+        let [a, b, c] = face.map(DVec4::truncate);
+        Some(sum + exit_at_infinity(direction, a, b, c)?)
+    })
 }
 
 /// +1 where the way from `p` to `q` leaves through the front of the triangle's back (exits), -1 where it enters, 0 where it

@@ -6,7 +6,8 @@
 //! that names the place in the file.
 //!
 //! Promises, for any bytes whatever: no panic, no endless loop, and no more memory than a small multiple of the
-//! file (see `gltf/budget.rs` for the one format in which a file can repeat itself).
+//! file (see `gltf/budget.rs` for the one format in which a file can repeat itself), with a fixed amount for pictures on
+//! top (see `picture.rs`).
 //!
 //! Conventions: metres; x east, y north, z up, whatever the file had (see [`UpAxis`]); positions are parsed in
 //! `f64` and become `f32` about the scene's origin, which is 0 unless the model is far from it.
@@ -26,6 +27,7 @@ mod gltf;
 mod load;
 mod model;
 mod obj;
+mod picture;
 mod place;
 mod ply;
 mod polygon;

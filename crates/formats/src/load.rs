@@ -28,7 +28,8 @@ pub(crate) struct Context<'a> {
 
 /// Loads the model in the file at `path`, whose name's ending says the format.
 ///
-/// Reads the file into memory whole, and for OBJ and glTF the files it names beside it. Textures are never read.
+/// Reads the file into memory whole, and for OBJ and glTF the files it names beside it, pictures
+/// included.
 ///
 /// # Errors
 ///

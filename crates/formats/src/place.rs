@@ -3,7 +3,7 @@
 use std::mem;
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use umbrae_core::{Bounds, Material, Mesh, MeshError, Object, Scene, Surface};
 
 use crate::UpAxis;
@@ -22,6 +22,7 @@ pub(crate) struct Part {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) triangle_materials: Vec<u32>,
     pub(crate) vertex_colors: Vec<Vec3>,
+    pub(crate) corner_uvs: Vec<[Vec2; 3]>,
 }
 
 impl UpAxis {
@@ -85,6 +86,7 @@ pub(crate) fn scene_of_parts(
             triangles: mem::take(&mut part.triangles),
             triangle_materials: mem::take(&mut part.triangle_materials),
             vertex_colors: mem::take(&mut part.vertex_colors),
+            corner_uvs: mem::take(&mut part.corner_uvs),
             ..Surface::default()
         };
         match Mesh::new(surface) {

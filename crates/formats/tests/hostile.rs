@@ -110,6 +110,49 @@ fn damaged_files_load_or_fail_but_never_panic() {
     }
 }
 
+/// One triangle with this picture on it.
+fn with_picture(picture: &[u8]) -> Vec<u8> {
+    let escaped: String = picture.iter().map(|byte| format!("%{byte:02x}")).collect();
+    let data = "%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@";
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"images":[{{"uri":"data:,{escaped}"}}],
+        "textures":[{{"source":0}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,"uri":"data:,{data}"}}]}}"#
+    )
+    .into_bytes()
+}
+
+#[test]
+fn a_damaged_picture_leaves_the_model_as_it_is() {
+    let mut random = Random(77);
+    let texel = |x: u32, y: u32| [(x * 7 + y * 13) as u8, (x ^ y) as u8, (x * y) as u8, 200];
+    let picture = image::RgbaImage::from_fn(24, 20, |x, y| image::Rgba(texel(x, y)));
+    let picture = image::DynamicImage::ImageRgba8(picture);
+    let kinds = [
+        (picture.clone(), image::ImageFormat::Png),
+        (picture.to_luma16().into(), image::ImageFormat::Png),
+        (picture.to_rgb8().into(), image::ImageFormat::Jpeg),
+    ];
+    for (picture, format) in kinds {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).expect("memory takes it");
+        let bytes = bytes.into_inner();
+        assert_eq!(read(&with_picture(&bytes), Format::Gltf, None).expect("a good file").scene.textures.len(), 1);
+        for _ in 0..ROUNDS {
+            for damaged in [bytes[..random.below(bytes.len())].to_vec(), flipped(&bytes, &mut random)] {
+                let model = read(&with_picture(&damaged), Format::Gltf, None).expect("the triangle is good");
+                assert_eq!(model.scene.triangle_count(), 1);
+                let is_told =
+                    model.warnings.iter().any(|warning| warning.message.contains("texture 0: image 0: its picture"));
+                assert_ne!(model.scene.textures.is_empty(), model.scene.materials[0].base_color_texture.is_some());
+                assert_eq!(model.scene.textures.is_empty(), is_told, "{:?}", model.warnings);
+            }
+        }
+    }
+}
+
 fn error(bytes: &[u8], format: Format) -> String {
     read(bytes, format, None).expect_err("a crafted file").to_string()
 }

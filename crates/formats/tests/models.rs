@@ -66,12 +66,12 @@ fn no_model_loses_anything_unexpected() {
     let Some(folder) = shared_data::folder() else { return };
     let known = [
         "animation",
-        "base colour texture",
+        "cut-out material",
         "line primitive",
         "material librar",
         "orthographic camera",
         "point primitive",
-        "transparent material",
+        "transmitting material",
     ];
     let sources = std::fs::read_to_string(folder.join("SOURCES.md")).expect("the list of models");
     for (file, _) in measured(&sources) {

@@ -228,21 +228,38 @@ fn camera_node(camera: &NamedCamera, index: usize) -> Value {
     json!({ "name": camera.name, "camera": index, "rotation": rotation, "translation": translation })
 }
 
+/// Directional lights and spots shine along their node's own -z.
 fn light_node(light: &Light, index: usize) -> Value {
-    let position = light.position.homogeneous();
+    let position = light.position.homogeneous().truncate();
     let mut node = json!({ "name": light.name, "extensions": { "KHR_lights_punctual": { "light": index } } });
-    if light.position.is_directional() {
-        let rotation = DQuat::from_rotation_arc(DVec3::Z, Y_UP_FROM_Z_UP * position.truncate());
+    let is_directional = light.position.is_directional();
+    let backwards = if is_directional { Some(position) } else { light.cone.map(|cone| -cone.axis) };
+    if let Some(backwards) = backwards {
+        let rotation = DQuat::from_rotation_arc(DVec3::Z, Y_UP_FROM_Z_UP * backwards);
         node["rotation"] = json!(rotation.as_quat().to_array());
-    } else {
-        node["translation"] = json!(y_up(position.truncate().as_vec3()).to_array());
+    }
+    if !is_directional {
+        node["translation"] = json!(y_up(position.as_vec3()).to_array());
     }
     node
 }
 
+/// Intensity is the strongest channel's; the colour has the ratios.
 fn punctual_light(light: &Light) -> Value {
     let intensity = light.strength.max_element();
     let color = if intensity > 0.0 { light.strength / intensity } else { Vec3::ZERO };
-    let kind = if light.position.is_directional() { "directional" } else { "point" };
-    json!({ "name": light.name, "type": kind, "color": color.to_array(), "intensity": intensity })
+    let mut punctual = json!({ "name": light.name, "color": color.to_array(), "intensity": intensity });
+    if light.position.is_directional() {
+        punctual["type"] = json!("directional");
+        return punctual;
+    }
+    punctual["type"] = json!("point");
+    if let Some(cone) = light.cone {
+        punctual["type"] = json!("spot");
+        punctual["spot"] = json!({ "innerConeAngle": cone.inner_rad, "outerConeAngle": cone.outer_rad });
+    }
+    if let Some(range_m) = light.range_m {
+        punctual["range"] = json!(range_m);
+    }
+    punctual
 }

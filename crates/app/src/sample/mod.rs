@@ -9,7 +9,6 @@ mod high_rise;
 mod industry;
 mod lattice_tower;
 mod model;
-mod random;
 mod staircase;
 mod town;
 
@@ -30,6 +29,9 @@ pub enum Sample {
     Staircase,
     /// An old town: houses around courtyards, a church, a market, walls and trees (60,000 triangles)
     Town,
+    /// The town under 20 street lamps (64,000 triangles); on the command line `town --night`
+    #[value(skip)]
+    TownByNight,
 }
 
 impl Sample {
@@ -44,6 +46,15 @@ impl Sample {
             Self::HighRise => high_rise::scene(),
             Self::Staircase => staircase::scene(),
             Self::Town => town::scene(),
+            Self::TownByNight => town::scene_by_night(),
+        }
+    }
+
+    /// The same scene with its lamps lit, if it has any.
+    pub fn by_night(self) -> Option<Self> {
+        match self {
+            Self::Town | Self::TownByNight => Some(Self::TownByNight),
+            Self::LatticeTower | Self::Industry | Self::HighRise | Self::Staircase => None,
         }
     }
 }

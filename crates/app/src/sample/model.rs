@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, Mat3, Vec2, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec2, Vec3};
 use umbrae_core::{Light, Material, Mesh, NamedCamera, Object, Scene, Surface, shapes};
 
 /// A material of the scene that is being built.
@@ -63,8 +63,18 @@ impl Model {
         self.0.lights.push(light);
     }
 
-    pub(super) fn add_camera(&mut self, camera: NamedCamera) {
-        self.0.cameras.push(camera);
+    /// A new camera, upright, that looks from `eye` to `target`.
+    pub(super) fn add_camera(&mut self, name: &str, eye: DVec3, target: DVec3, fov_y_deg: f64) {
+        let forward = (target - eye).normalize_or_zero();
+        let right = forward.cross(DVec3::Z).normalize_or_zero();
+        self.0.cameras.push(NamedCamera {
+            name: name.to_owned(),
+            eye,
+            forward,
+            up: right.cross(forward),
+            fov_y_rad: fov_y_deg.to_radians(),
+            near: 0.1,
+        });
     }
 
     pub(super) fn into_scene(self) -> Scene {

@@ -12,7 +12,7 @@
 //! The flight climbs towards the north. Its top is at 51 m; everything is made of closed bodies.
 
 use glam::{DVec3, Vec2, Vec3};
-use umbrae_core::{Light, LightPosition, NamedCamera, Scene, Surface, shapes};
+use umbrae_core::{Light, LightPosition, Scene, Surface, shapes};
 
 use super::model::{Model, Parts, block, profile};
 
@@ -67,17 +67,7 @@ pub(super) fn scene() -> Scene {
     let strength = Vec3::new(300.0, 256.0, 192.0);
     model.add_light(Light::new("top", LightPosition::point(lamp.as_dvec3()), strength));
     // Onto the lowest hundred steps, the 256th from the top among them.
-    let (eye, target) = (DVec3::new(7.0, -5.0, 16.0), DVec3::new(0.0, 13.0, 7.0));
-    let forward = (target - eye).normalize_or_zero();
-    let right = forward.cross(DVec3::Z).normalize_or_zero();
-    model.add_camera(NamedCamera {
-        name: "low steps".to_owned(),
-        eye,
-        forward,
-        up: right.cross(forward),
-        fov_y_rad: 50_f64.to_radians(),
-        near: 0.1,
-    });
+    model.add_camera("low steps", DVec3::new(7.0, -5.0, 16.0), DVec3::new(0.0, 13.0, 7.0), 50.0);
     model.into_scene()
 }
 

@@ -62,11 +62,20 @@ fn the_report_has_every_key() {
         (towards[2] - 40_f64.to_radians().sin()).abs() < 1e-6 && towards[0] < 0.0 && towards[1] < 0.0,
         "{towards:?}"
     );
+    let common = ["casters", "color", "intensity", "kind", "name", "silhouettes_and_volumes_ms", "strength"];
+    let with = |more: &[&'static str]| {
+        let mut keys = [&common[..], more].concat();
+        keys.sort_unstable();
+        keys
+    };
+    assert_eq!(keys(&lights[0]), with(&["direction_to_light"]));
+    assert_eq!(keys(&lights[1]), with(&["position", "range"]));
     for light in lights {
         let casters = light["casters"].as_array().expect("a list");
         assert_eq!(casters.len(), 3, "the box, the triangle and the ground");
         for caster in casters {
-            assert_eq!(keys(caster), ["case", "name", "silhouette_edges", "triangles"]);
+            assert_eq!(keys(caster), ["case", "casts", "is_glass", "name", "silhouette_edges", "triangles"]);
+            assert_eq!((&caster["casts"], &caster["is_glass"]), (&json!(true), &json!(false)));
             assert_eq!(keys(&caster["triangles"]), ["dark_cap", "light_cap", "sides"]);
             assert!(caster["case"].as_u64().is_some_and(|case| (1..=3).contains(&case)));
         }

@@ -6,7 +6,8 @@ use anyhow::Context as _;
 use glam::{DAffine3, Vec2};
 use image::RgbImage;
 use serde::Deserialize;
-use umbrae::view::{ViewChoice, add_ground, camera, ground_under, lights};
+use umbrae::lights::{LampChoice, LampPlace, lights, reaching};
+use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{Caster, Light, LightPosition, Material, Mesh, Object, Scene, Surface, shapes};
 use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, ShadowOptions, Shot};
 
@@ -136,17 +137,20 @@ impl Case {
             target: Some(self.camera.target_m.into()),
             fov_deg: Some(self.camera.fov_y_deg),
             camera_name: None,
-            sun_deg: self.sun.as_ref().map(|sun| [sun.azimuth_deg, sun.altitude_deg]),
-            points: self.points_m.iter().map(|&point| point.into()).collect(),
         };
+        let sun = self.sun.as_ref();
+        let sun = sun.map(|&Sun { azimuth_deg, altitude_deg }| LampPlace::Sun { azimuth_deg, altitude_deg });
+        let points = self.points_m.iter().map(|&point| LampPlace::Point(point.into()));
+        let lamps: Vec<LampChoice> = sun.into_iter().chain(points).map(LampChoice::new).collect();
         let ground = self.ground.then(|| ground_under(&model));
         let camera = camera(&choice, &scene, &model, ground.as_ref())?;
-        let lights = lights(&choice, &scene, &model);
+        let lights = lights(&lamps, &scene, &model);
+        let look = Look::for_model(&model, &lights);
+        let lights = reaching(lights, look.exposure);
         if let Some(ground) = &ground {
             add_ground(&mut scene, ground);
         }
         let casters = Caster::of_scene(&scene);
-        let look = Look::for_model(&model, &lights);
 
         let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: None, is_software: true }))?;
         let renderer = Renderer::new(gpu, self.samples);

@@ -11,6 +11,7 @@ pub(super) struct Accessors<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
     budget: Budget,
+    file_bytes: usize,
 }
 
 /// How one number is stored.
@@ -94,8 +95,13 @@ impl Elements<'_> {
 impl<'a> Accessors<'a> {
     /// `file_bytes` is the size of the file itself.
     pub(super) fn new(document: &'a Document, buffers: Buffers<'a>, file_bytes: usize) -> Self {
-        let budget = Budget::new(file_bytes.saturating_add(buffers.external_bytes()));
-        Self { document, buffers, budget }
+        let file_bytes = file_bytes.saturating_add(buffers.external_bytes());
+        Self { document, buffers, budget: Budget::new(file_bytes), file_bytes }
+    }
+
+    /// The size of the file, its external buffers included.
+    pub(super) fn file_bytes(&self) -> usize {
+        self.file_bytes
     }
 
     /// Charges the file for what is made of its numbers, see [`Budget`].
@@ -187,15 +193,12 @@ impl<'a> Accessors<'a> {
         Ok(elements)
     }
 
-    /// `count` elements in a buffer view.
-    fn stored(
-        &self,
-        view_index: usize,
-        byte_offset: usize,
-        count: usize,
-        component: Component,
-        width: usize,
-    ) -> Result<Elements<'_>, String> {
+    /// The bytes of a buffer view.
+    pub(super) fn view_bytes(&self, view_index: usize) -> Result<&[u8], String> {
+        self.view(view_index).map(|(_, bytes)| bytes)
+    }
+
+    fn view(&self, view_index: usize) -> Result<(&BufferView, &[u8]), String> {
         let views = &self.document.buffer_views;
         let view: &BufferView = views
             .get(view_index)
@@ -211,6 +214,19 @@ impl<'a> Accessors<'a> {
                 buffer.len()
             )
         })?;
+        Ok((view, bytes))
+    }
+
+    /// `count` elements in a buffer view.
+    fn stored(
+        &self,
+        view_index: usize,
+        byte_offset: usize,
+        count: usize,
+        component: Component,
+        width: usize,
+    ) -> Result<Elements<'_>, String> {
+        let (view, bytes) = self.view(view_index)?;
         let element_bytes = component.size() * width;
         let stride = view.byte_stride.unwrap_or(element_bytes);
         let needed = match count {

@@ -1,40 +1,79 @@
 //! Materials, lights and cameras of a glTF file.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Cone, Light, LightPosition, Material, NamedCamera};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
+use umbrae_core::{AlphaMode, Cone, Light, LightPosition, Material, NamedCamera, Texture};
 
-use super::document;
+use super::document::{self, Document};
+use super::texture::{Textures, UvSource};
 use crate::error::quoted;
 use crate::warnings::Warnings;
 
-/// The materials, and what of them is left out.
-pub(super) fn materials(materials: &[document::Material], warnings: &mut Warnings) -> Vec<Material> {
-    materials.iter().map(|material| material_of(material, warnings)).collect()
+/// The materials of a file with all they need; none yet for primitives that have none.
+pub(super) struct Looks {
+    pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Arc<Texture>>,
+    /// For each material, if it has a texture.
+    pub(super) uv_sources: Vec<Option<UvSource>>,
 }
+
+/// The materials of `document`, whose textures `textures` reads.
+pub(super) fn materials(document: &Document, mut textures: Textures<'_>, warnings: &mut Warnings) -> Looks {
+    let (mut materials, mut uv_sources) = (Vec::new(), Vec::new());
+    for material in &document.materials {
+        let texture = material.pbr_metallic_roughness.base_color_texture.as_ref();
+        let texture = texture.and_then(|texture| textures.of_material(texture, warnings));
+        let base_color_texture = texture.map(|(index, _)| index);
+        materials.push(Material { base_color_texture, ..material_of(material, warnings) });
+        uv_sources.push(texture.map(|(_, source)| source));
+    }
+    Looks { materials, textures: textures.read, uv_sources }
+}
+
+/// How much is left of a surface's opacity that lets all light through: enough to see that it is there.
+const OPACITY_OF_GLASS: f32 = 0.3;
 
 fn material_of(material: &document::Material, warnings: &mut Warnings) -> Material {
     let name = material.name.clone().unwrap_or_default();
-    let pbr = &material.pbr_metallic_roughness;
-    if pbr.base_color_texture.is_some() {
-        warnings.add(1, ["base colour texture is ignored", "base colour textures are ignored"]);
-    }
-    if material.extensions.transmission.is_some() || material.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE")
-    {
-        let words =
-            ["transparent material is drawn and casts as opaque", "transparent materials are drawn and cast as opaque"];
-        warnings.add_one(words, || quoted(&name));
-    }
-    let [red, green, blue, _] = pbr.base_color_factor.unwrap_or([1.0; 4]);
-    let given = Vec3::new(red, green, blue);
-    // A NaN becomes 0.
-    let base_color = given.max(Vec3::ZERO).min(Vec3::ONE);
-    if given != base_color {
+    let [red, green, blue, alpha] = material.pbr_metallic_roughness.base_color_factor.unwrap_or([1.0; 4]);
+    let given = Vec4::new(red, green, blue, alpha);
+    let factor = given.clamp(Vec4::ZERO, Vec4::ONE);
+    if given != factor {
         let words = ["base colour was brought into 0 to 1", "base colours were brought into 0 to 1"];
-        warnings.add_one(words, || format!("({red}, {green}, {blue}) of material {}", quoted(&name)));
+        warnings.add_one(words, || format!("({red}, {green}, {blue}, {alpha}) of material {}", quoted(&name)));
     }
-    Material::new(name, base_color)
+    let mut alpha = factor.w;
+    let mut alpha_mode = match material.alpha_mode.as_deref() {
+        None | Some("OPAQUE") => AlphaMode::Opaque,
+        Some("BLEND") => AlphaMode::Blend,
+        Some("MASK") => {
+            let words = ["cut-out material casts as full triangles", "cut-out materials cast as full triangles"];
+            warnings.add_one(words, || quoted(&name));
+            AlphaMode::Mask { cutoff: material.alpha_cutoff.unwrap_or(0.5).max(0.0) }
+        }
+        Some(other) => {
+            let words = [
+                "alpha mode is unknown, so its material is opaque",
+                "alpha modes are unknown, so their materials are opaque",
+            ];
+            warnings.add_one(words, || format!("{} of material {}", quoted(other), quoted(&name)));
+            AlphaMode::Opaque
+        }
+    };
+    let transmitted = material.extensions.transmission.as_ref().map_or(0.0, |t| t.transmission_factor.clamp(0.0, 1.0));
+    if transmitted > 0.0 {
+        let words =
+            ["transmitting material is drawn as plain glass", "transmitting materials are drawn as plain glass"];
+        warnings.add_one(words, || quoted(&name));
+        if alpha_mode == AlphaMode::Opaque {
+            alpha = 1.0;
+        }
+        alpha *= 1.0 - transmitted * (1.0 - OPACITY_OF_GLASS);
+        alpha_mode = AlphaMode::Blend;
+    }
+    Material { alpha, alpha_mode, ..Material::new(name, factor.truncate()) }
 }
 
 /// A light where its node is; it shines along the node's -z.

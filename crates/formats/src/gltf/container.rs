@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use base64::Engine;
@@ -150,7 +150,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// The bytes in a `data:` URI; `None` if it is another kind of URI.
-fn data_of_uri(uri: &str) -> Option<Result<Cow<'_, [u8]>, String>> {
+pub(super) fn data_of_uri(uri: &str) -> Option<Result<Cow<'_, [u8]>, String>> {
     let data = uri.strip_prefix("data:")?;
     let Some((kind, data)) = data.split_once(',') else {
         return Some(Err("its data URI has no comma".to_owned()));
@@ -162,8 +162,8 @@ fn data_of_uri(uri: &str) -> Option<Result<Cow<'_, [u8]>, String>> {
     })
 }
 
-/// The first `length` bytes of the file that `uri` names.
-fn read_file(uri: &str, length: usize, folder: Option<&Path>) -> FileContent {
+/// Where the file is, if it is, that `uri` names.
+pub(super) fn path_of_uri(uri: &str, folder: Option<&Path>) -> Result<PathBuf, String> {
     if uri.contains("://") {
         return Err(format!("it is at {}; download it and name the file in its place", quoted(uri)));
     }
@@ -171,7 +171,13 @@ fn read_file(uri: &str, length: usize, folder: Option<&Path>) -> FileContent {
     let Some(folder) = folder else {
         return Err(format!("it is in the file {}, which can't be looked for", quoted(&name)));
     };
-    let path = folder.join(&*name);
+    Ok(folder.join(&*name))
+}
+
+/// The first `length` bytes of the file that `uri` names.
+fn read_file(uri: &str, length: usize, folder: Option<&Path>) -> FileContent {
+    let path = path_of_uri(uri, folder)?;
+    let name = percent_decode_str(uri).decode_utf8_lossy();
     // Anything but an ordinary file may have no end.
     let size = match fs::metadata(&path) {
         Ok(metadata) if metadata.is_file() => metadata.len(),

@@ -36,6 +36,12 @@ pub(super) struct Document {
     #[serde(default)]
     pub(super) materials: Vec<Material>,
     #[serde(default)]
+    pub(super) textures: Vec<Texture>,
+    #[serde(default)]
+    pub(super) images: Vec<Image>,
+    #[serde(default)]
+    pub(super) samplers: Vec<Sampler>,
+    #[serde(default)]
     pub(super) cameras: Vec<Camera>,
     #[serde(default)]
     pub(super) accessors: Vec<Accessor>,
@@ -177,6 +183,7 @@ pub(super) struct Material {
     #[serde(default)]
     pub(super) pbr_metallic_roughness: Pbr,
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f32>,
     #[serde(default)]
     pub(super) extensions: MaterialExtensions,
 }
@@ -185,13 +192,74 @@ pub(super) struct Material {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Pbr {
     pub(super) base_color_factor: Option<[f32; 4]>,
-    pub(super) base_color_texture: Option<IgnoredAny>,
+    pub(super) base_color_texture: Option<Box<TextureOfMaterial>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureOfMaterial {
+    pub(super) index: usize,
+    #[serde(default)]
+    pub(super) tex_coord: u32,
+    #[serde(default)]
+    pub(super) extensions: TextureOfMaterialExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct TextureOfMaterialExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub(super) transform: Option<TextureTransform>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureTransform {
+    #[serde(default)]
+    pub(super) offset: [f64; 2],
+    /// Counter-clockwise, seen with v down.
+    #[serde(default)]
+    pub(super) rotation: f64,
+    #[serde(default = "unscaled")]
+    pub(super) scale: [f64; 2],
+    /// In place of the material's.
+    pub(super) tex_coord: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_transmission")]
-    pub(super) transmission: Option<IgnoredAny>,
+    pub(super) transmission: Option<Transmission>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Transmission {
+    #[serde(default)]
+    pub(super) transmission_factor: f32,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Texture {
+    pub(super) name: Option<Box<str>>,
+    pub(super) sampler: Option<u32>,
+    /// Extensions have their own, in formats that we don't read.
+    pub(super) source: Option<u32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
+    pub(super) name: Option<Box<str>>,
+    pub(super) uri: Option<Box<str>>,
+    pub(super) buffer_view: Option<u32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub(super) mag_filter: Option<u32>,
+    pub(super) wrap_s: Option<u32>,
+    pub(super) wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -265,6 +333,10 @@ pub(super) struct Buffer {
 
 fn white() -> [f32; 3] {
     [1.0; 3]
+}
+
+fn unscaled() -> [f64; 2] {
+    [1.0; 2]
 }
 
 fn one() -> f32 {

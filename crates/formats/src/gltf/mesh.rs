@@ -7,6 +7,7 @@ use umbrae_core::Surface;
 
 use super::accessor::Accessors;
 use super::document::{Attributes, Mesh, Primitive};
+use super::texture::{UvSource, add_corner_uvs};
 use crate::warnings::{Warnings, Words};
 
 /// What happens to a mesh's vertices before its node places them.
@@ -18,9 +19,9 @@ pub(super) struct Pose<'a> {
     pub(super) joints: Vec<DAffine3>,
 }
 
-/// Materials by number, with one more for primitives that have none.
+/// Materials by number, each with its texture coordinates if it has a texture; there is one more for primitives that have none.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct MaterialCount(pub(super) usize);
+pub(super) struct Materials<'a>(pub(super) &'a [Option<UvSource>]);
 
 /// The surface of `mesh`; without triangles if none of its primitives has any.
 ///
@@ -29,7 +30,7 @@ pub(super) fn surface(
     mesh: &Mesh,
     pose: &Pose<'_>,
     accessors: &Accessors<'_>,
-    materials: MaterialCount,
+    materials: Materials<'_>,
     warnings: &mut Warnings,
 ) -> Result<Surface, String> {
     let mut merged = Merged::default();
@@ -67,7 +68,7 @@ impl<'a> Merged<'a> {
         primitive: &'a Primitive,
         pose: &Pose<'_>,
         accessors: &Accessors<'_>,
-        materials: MaterialCount,
+        materials: Materials<'_>,
         warnings: &mut Warnings,
     ) -> Result<(), String> {
         let (first, vertex_count) = self.vertices(primitive, pose, accessors, warnings)?;
@@ -91,16 +92,19 @@ impl<'a> Merged<'a> {
             ["index beyond the last whole triangle was skipped", "indices beyond the last whole triangle were skipped"],
         );
         let material = match primitive.material {
-            Some(material) if material < materials.0 => material,
+            Some(material) if material < materials.0.len() => material,
             Some(material) => {
                 let words = ["material that does not exist was replaced", "materials that do not exist were replaced"];
-                warnings.add_one(words, || format!("material {material} of {}", materials.0));
-                materials.0
+                warnings.add_one(words, || format!("material {material} of {}", materials.0.len()));
+                materials.0.len()
             }
-            None => materials.0,
+            None => materials.0.len(),
         };
         let added = self.surface.triangles.len() - before;
         self.surface.triangle_materials.extend(std::iter::repeat_n(material as u32, added));
+        let source = materials.0.get(material).copied().flatten();
+        let vertices = (first, vertex_count);
+        add_corner_uvs(&mut self.surface, before, vertices, &primitive.attributes, source, accessors, warnings);
         Ok(())
     }
 

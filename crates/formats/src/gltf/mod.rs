@@ -7,6 +7,7 @@
 //!   node         the tree of the scene               -> transforms in f64
 //!   mesh, skin   primitives, morphs, joints at rest  -> one surface for each mesh
 //!   appearance   materials, lights, cameras
+//!   texture      pictures, and where on them corners are
 //! ```
 //!
 //! A mesh stays in its own space and is shared by all nodes that show it as it is; its nodes' transforms carry the
@@ -20,6 +21,7 @@ mod document;
 mod mesh;
 mod node;
 mod skin;
+mod texture;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -36,9 +38,10 @@ use crate::{Format, Model, UpAxis};
 use accessor::Accessors;
 use container::{Buffers, Chunks};
 use document::{Document, Instancing, Node};
-use mesh::{MaterialCount, Pose};
+use mesh::{Materials, Pose};
 use node::{Tree, is_usable, rotation_of};
 use skin::Skin;
+use texture::{Textures, UvSource};
 
 /// Reads a glTF or GLB file, and the buffers beside it.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
@@ -50,16 +53,19 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         warnings.add(1, ["up axis was ignored, because glTF says that y is up", "up axes were ignored"]);
     }
     let buffers = Buffers::load(&document, chunks.binary, context.folder);
+    let accessors = Accessors::new(&document, buffers, bytes.len());
+    let looks = appearance::materials(&document, Textures::new(&document, &accessors, context.folder), &mut warnings);
     let tree = Tree::walk(&document)?;
     let mut stage = Stage {
         document: &document,
-        accessors: Accessors::new(&document, buffers, bytes.len()),
+        accessors: &accessors,
+        uv_sources: looks.uv_sources,
         tree: &tree,
         shapes: BTreeMap::new(),
         bounds: Bounds::EMPTY,
         triangles_shown: 0,
         first_problem: None,
-        scene: Scene { materials: appearance::materials(&document.materials, &mut warnings), ..Scene::default() },
+        scene: Scene { materials: looks.materials, textures: looks.textures, ..Scene::default() },
         warnings,
     };
     // Comes after the file's own; for primitives that have none.
@@ -121,7 +127,9 @@ struct Shape {
 /// The scene while its nodes are walked; in scene axes, not yet about its origin.
 struct Stage<'a> {
     document: &'a Document,
-    accessors: Accessors<'a>,
+    accessors: &'a Accessors<'a>,
+    /// For each material of the file.
+    uv_sources: Vec<Option<UvSource>>,
     tree: &'a Tree,
     /// Those shown as they are; `None` for one without triangles, and what is wrong with one that can't be used.
     shapes: BTreeMap<usize, Result<Option<Shape>, Problem>>,
@@ -237,7 +245,7 @@ impl Stage<'_> {
     /// As glTF says, the joints alone place it: the node's own transform has no effect.
     fn skinned(&mut self, node: &Node, mesh_index: usize) -> Option<(Option<Shape>, DAffine3)> {
         let skin_index = node.skin? as usize;
-        let skin = Skin::read(skin_index, self.document, &self.accessors, self.tree);
+        let skin = Skin::read(skin_index, self.document, self.accessors, self.tree);
         let posed = skin.map_err(|message| Problem::in_part("skin", skin_index, None, message)).and_then(|skin| {
             let weights = weights(node, &self.document.meshes[mesh_index]);
             let shape = self.read_shape(mesh_index, &Pose { weights, joints: skin.posed_from_mesh })?;
@@ -267,8 +275,8 @@ impl Stage<'_> {
     fn read_shape(&mut self, mesh_index: usize, pose: &Pose<'_>) -> Result<Option<Shape>, Problem> {
         let source = &self.document.meshes[mesh_index];
         let in_mesh = |message: String| Problem::in_part("mesh", mesh_index, source.name.as_deref(), message);
-        let materials = MaterialCount(self.document.materials.len());
-        let surface = mesh::surface(source, pose, &self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
+        let materials = Materials(&self.uv_sources);
+        let surface = mesh::surface(source, pose, self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
         if surface.triangles.is_empty() {
             return Ok(None);
         }

@@ -11,31 +11,42 @@ mod mtl;
 mod statements;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::mem;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use umbrae_core::{Material, MeshError};
+use umbrae_core::{Material, MeshError, Scene, Texture};
 
 use crate::error::{Problem, quoted};
 use crate::load::Context;
+use crate::picture::{Pictures, Sampling, TEXTURE_SKIPPED};
 use crate::place::{Part, scene_of_parts};
 use crate::polygon::{Cut, Triangulator};
 use crate::text::{first_word, lossy};
 use crate::warnings::Warnings;
 use crate::{Format, Model};
 
+use mtl::{LibraryMaterial, PictureOfMaterial};
 use statements::{Face, Obj, Statements};
 
 /// Reads an OBJ file, and the material libraries beside it.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
     let mut warnings = Warnings::default();
     let obj = Obj::read(bytes, &mut warnings);
-    let materials = materials(&obj, context, &mut warnings);
+    let (materials, textures) = materials(&obj, context, bytes.len(), &mut warnings);
     let colors = obj.linear_colors(&mut warnings);
     let groups = obj.faces_by_group();
     let vertex_count = obj.positions.len();
 
-    let mut shapes = Shapes { obj, colors, triangulator: Triangulator::new(), local: Vec::new() };
+    let mut shapes = Shapes {
+        obj,
+        colors,
+        has_textures: !textures.is_empty(),
+        triangulator: Triangulator::new(),
+        local: Vec::new(),
+    };
     let mut parts = Vec::with_capacity(groups.len());
     // For each part the vertices of the file that it uses; `None` where they are just the file's.
     let mut sources = Vec::with_capacity(groups.len());
@@ -61,6 +72,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         _ => Problem::whole(format!("object {}: {error}", quoted(&part.name))),
     };
     let scene = scene_of_parts(parts, up, materials, &mut warnings, explain)?;
+    let scene = Scene { textures, ..scene };
     Ok(Model { scene, format: Format::Obj, up, warnings: warnings.finish() })
 }
 
@@ -69,6 +81,8 @@ struct Shapes {
     obj: Obj,
     /// One for each vertex, or none.
     colors: Vec<Vec3>,
+    /// Else texture coordinates are not looked at.
+    has_textures: bool,
     triangulator: Triangulator,
     /// For each vertex the last group that used it, and its index there.
     local: Vec<(u32, u32)>,
@@ -94,11 +108,18 @@ impl Shapes {
     fn part(&mut self, name: String, faces: &[Face], source: Option<&[u32]>, warnings: &mut Warnings) -> Part {
         let mut part = Part { name, ..Part::default() };
         let mut ring = Vec::new();
+        let (mut cut, mut uvs) = (Vec::new(), Vec::new());
         for face in faces {
-            let before = part.triangles.len();
-            self.cut_face(face, &mut ring, &mut part.triangles, warnings);
-            part.triangle_materials
-                .resize(part.triangle_materials.len() + part.triangles.len() - before, face.material);
+            cut.clear();
+            self.cut_face(face, &mut ring, &mut cut, warnings);
+            let corners = self.obj.corners_of(face);
+            part.triangles.extend(cut.iter().map(|t| t.map(|i| corners[i as usize])));
+            part.triangle_materials.resize(part.triangles.len(), face.material);
+            if self.has_textures {
+                uvs.clear();
+                uvs.extend(self.obj.uvs_of(face));
+                part.corner_uvs.extend(cut.iter().map(|t| t.map(|i| uvs[i as usize])));
+            }
         }
         match source {
             Some(source) => {
@@ -117,14 +138,14 @@ impl Shapes {
         part
     }
 
-    /// Adds the triangles of `face`, as vertices of the file.
+    /// Adds the triangles of `face`, as places among its corners.
     fn cut_face(&mut self, face: &Face, ring: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>, warnings: &mut Warnings) {
         let corners = self.obj.corners_of(face);
         let positions = &self.obj.positions;
         if let Some(missing) = corners.iter().position(|&v| v as usize >= positions.len()) {
             // The rest of the polygon is still there: the triangles of its fan that do without missing corners.
-            let fan = (2..corners.len()).map(|i| [corners[0], corners[i - 1], corners[i]]);
-            let whole = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < positions.len());
+            let fan = (2..corners.len() as u32).map(|i| [0, i - 1, i]);
+            let whole = |t: &[u32; 3]| t.iter().all(|&i| (corners[i as usize] as usize) < positions.len());
             let kept = triangles.len();
             triangles.extend(fan.filter(whole));
             let words = [
@@ -136,13 +157,13 @@ impl Shapes {
             });
             return;
         }
-        if let &[a, b, c] = corners {
-            triangles.push([a, b, c]);
+        if corners.len() == 3 {
+            triangles.push([0, 1, 2]);
             return;
         }
         ring.clear();
         ring.extend(corners.iter().map(|&v| positions[v as usize]));
-        let cut = self.triangulator.triangulate(ring, |t| triangles.push(t.map(|i| corners[i as usize])));
+        let cut = self.triangulator.triangulate(ring, |t| triangles.push(t));
         if cut == Cut::Fan {
             let words = [
                 "polygon that crosses itself or has no area was cut as a fan",
@@ -153,15 +174,42 @@ impl Shapes {
     }
 }
 
-/// The materials that faces name, in the order of [`Face::material`], with the colours of the libraries.
-fn materials(obj: &Obj, context: Context<'_>, warnings: &mut Warnings) -> Vec<Material> {
+/// The materials that faces name, in the order of [`Face::material`], with the colours of the libraries, and their textures.
+fn materials(
+    obj: &Obj,
+    context: Context<'_>,
+    file_bytes: usize,
+    warnings: &mut Warnings,
+) -> (Vec<Material>, Vec<Arc<Texture>>) {
     let libraries = mtl::read_libraries(&obj.libraries, context.folder, warnings);
-    obj.materials
-        .iter()
-        .map(|name| {
-            libraries.get(name).cloned().unwrap_or_else(|| Material { name: name.clone(), ..Material::default() })
+    let mut pictures = Pictures::new(file_bytes);
+    let mut textures = Vec::new();
+    // By path and sampling; `None` for one that can't be had.
+    let mut known: BTreeMap<(PathBuf, [u8; 3]), Option<u32>> = BTreeMap::new();
+    let mut texture_of = |picture: PictureOfMaterial, warnings: &mut Warnings| {
+        let sampling = Sampling { wrap: [picture.wrap; 2], is_nearest: false };
+        *known.entry((picture.path.clone(), sampling.key())).or_insert_with(|| {
+            match pictures.texture_of_file(&picture.path, picture.name.clone(), sampling) {
+                Ok(texture) => {
+                    textures.push(Arc::new(texture));
+                    Some(textures.len() as u32 - 1)
+                }
+                Err(message) => {
+                    warnings.add_one(TEXTURE_SKIPPED, || format!("{}: {message}", quoted(&picture.name)));
+                    None
+                }
+            }
         })
-        .collect()
+    };
+    let mut material_named = |name: &String| {
+        let Some(LibraryMaterial { material, picture }) = libraries.get(name).cloned() else {
+            return Material { name: name.clone(), ..Material::default() };
+        };
+        let base_color_texture = picture.and_then(|picture| texture_of(picture, warnings));
+        Material { base_color_texture, ..material }
+    };
+    let materials = obj.materials.iter().map(&mut material_named).collect();
+    (materials, textures)
 }
 
 fn no_triangle(vertex_count: usize, warnings: Warnings) -> Problem {

@@ -1,15 +1,34 @@
-//! OBJ material libraries: the diffuse colour of each material, and what of it we can't show.
+//! OBJ material libraries: the diffuse colour of each material, its texture and its opacity.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use umbrae_core::Material;
+use umbrae_core::{AlphaMode, Material, Wrap};
 
 use crate::error::quoted;
 use crate::text::{Lines, first_word, lossy, number, words};
 use crate::warnings::Warnings;
+
+/// A material of a library.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct LibraryMaterial {
+    pub(super) material: Material,
+    /// What `map_Kd` names, if anything.
+    pub(super) picture: Option<PictureOfMaterial>,
+}
+
+/// The picture of a `map_Kd` statement.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PictureOfMaterial {
+    /// As in the file.
+    pub(super) name: String,
+    /// Where it would be.
+    pub(super) path: PathBuf,
+    /// What is beyond its border.
+    pub(super) wrap: Wrap,
+}
 
 /// Materials by name, from every library that an OBJ file names.
 ///
@@ -18,7 +37,7 @@ pub(super) fn read_libraries(
     libraries: &[String],
     folder: Option<&Path>,
     warnings: &mut Warnings,
-) -> BTreeMap<String, Material> {
+) -> BTreeMap<String, LibraryMaterial> {
     let mut materials = BTreeMap::new();
     let mut already_read: Vec<&str> = Vec::new();
     for line in libraries {
@@ -30,8 +49,14 @@ pub(super) fn read_libraries(
         let whole = file_in(folder, line);
         let names = if whole.is_some() { vec![line.as_str()] } else { line.split_whitespace().collect() };
         for name in names {
-            match file_in(folder, name).map(fs::read) {
-                Some(Ok(bytes)) => read_library(&bytes, &mut materials, warnings),
+            let path = file_in(folder, name);
+            let bytes = path.as_ref().and_then(|path| fs::read(path).ok());
+            match (path, bytes) {
+                (Some(path), Some(bytes)) => {
+                    // A file has a parent.
+                    let folder = path.parent().unwrap_or(Path::new(""));
+                    read_library(&bytes, folder, &mut materials, warnings);
+                }
                 _ => {
                     let words = [
                         "material library is missing; its colours are left out",
@@ -46,22 +71,35 @@ pub(super) fn read_libraries(
 }
 
 fn file_in(folder: Option<&Path>, name: &str) -> Option<PathBuf> {
-    // Names from Windows.
-    let path = folder?.join(name.replace('\\', "/"));
+    let path = folder?.join(with_slashes(name));
     path.is_file().then_some(path)
 }
 
-fn read_library(bytes: &[u8], materials: &mut BTreeMap<String, Material>, warnings: &mut Warnings) {
+/// Names from Windows.
+fn with_slashes(name: &str) -> String {
+    name.replace('\\', "/")
+}
+
+fn read_library(
+    bytes: &[u8],
+    folder: &Path,
+    materials: &mut BTreeMap<String, LibraryMaterial>,
+    warnings: &mut Warnings,
+) {
     let mut current = None;
     for (_, line) in Lines::new(bytes) {
         let (keyword, rest) = first_word(line);
         if keyword == b"newmtl" {
             let name = lossy(rest);
-            materials.insert(name.clone(), Material { name: name.clone(), ..Material::default() });
+            let material = Material { name: name.clone(), ..Material::default() };
+            materials.insert(name.clone(), LibraryMaterial { material, picture: None });
             current = Some(name);
             continue;
         }
-        let Some(material) = current.as_ref().and_then(|name| materials.get_mut(name)) else { continue };
+        let Some(LibraryMaterial { material, picture }) = current.as_ref().and_then(|name| materials.get_mut(name))
+        else {
+            continue;
+        };
         match keyword {
             b"Kd" => match color(rest) {
                 Some(color) => material.base_color = color,
@@ -69,20 +107,74 @@ fn read_library(bytes: &[u8], materials: &mut BTreeMap<String, Material>, warnin
                     format!("{} of material {}", quoted(&lossy(rest)), quoted(&material.name))
                 }),
             },
-            b"map_Kd" => warnings.add(1, ["base colour texture is ignored", "base colour textures are ignored"]),
-            b"d" if number(rest).is_some_and(|opacity| opacity < 1.0) => warn_transparent(material, warnings),
-            b"Tr" if number(rest).is_some_and(|transparency| transparency > 0.0) => {
-                warn_transparent(material, warnings);
+            b"map_Kd" => {
+                *picture = picture_of(rest, folder, warnings);
+                // The grey of what says nothing of its colour is not for pictures.
+                if picture.is_some() && material.base_color == Material::default().base_color {
+                    material.base_color = Vec3::ONE;
+                }
             }
+            b"map_d" => {
+                let words = ["opacity texture is ignored", "opacity textures are ignored"];
+                warnings.add_one(words, || quoted(&material.name));
+            }
+            b"d" => set_opacity(material, number(rest)),
+            b"Tr" => set_opacity(material, number(rest).map(|transparency| 1.0 - transparency)),
             _ => {}
         }
     }
 }
 
-fn warn_transparent(material: &Material, warnings: &mut Warnings) {
-    let words =
-        ["transparent material is drawn and casts as opaque", "transparent materials are drawn and cast as opaque"];
-    warnings.add_one(words, || quoted(&material.name));
+/// A material that is less than opaque is glass.
+fn set_opacity(material: &mut Material, opacity: Option<f64>) {
+    if let Some(opacity) = opacity.filter(|opacity| *opacity < 1.0) {
+        material.alpha = opacity.max(0.0) as f32;
+        material.alpha_mode = AlphaMode::Blend;
+    }
+}
+
+/// Options of `map_Kd`, with the most numbers or words that each takes.
+const OPTIONS: [(&str, usize); 11] = [
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-boost", 1),
+    ("-bm", 1),
+    ("-cc", 1),
+    ("-imfchan", 1),
+    ("-mm", 2),
+    ("-o", 3),
+    ("-s", 3),
+    ("-t", 3),
+    ("-texres", 1),
+];
+
+/// What follows `map_Kd`: options and a name, which may hold spaces.
+fn picture_of(rest: &[u8], folder: &Path, warnings: &mut Warnings) -> Option<PictureOfMaterial> {
+    let mut rest = rest;
+    let mut wrap = Wrap::Repeat;
+    loop {
+        let (option, after) = first_word(rest);
+        if option == b"-clamp" {
+            let (value, after) = first_word(after);
+            wrap = if value == b"on" { Wrap::Clamp } else { Wrap::Repeat };
+            rest = after;
+            continue;
+        }
+        let Some((name, most)) = OPTIONS.into_iter().find(|(name, _)| name.as_bytes() == option) else { break };
+        let words = ["option of a texture is ignored", "options of textures are ignored"];
+        warnings.add_one(words, || name.to_owned());
+        rest = after;
+        for i in 0..most {
+            let (word, after) = first_word(rest);
+            // The second and third number of an offset may be missing.
+            if i > 0 && number(word).is_none() {
+                break;
+            }
+            rest = after;
+        }
+    }
+    let name = lossy(rest);
+    (!name.is_empty()).then(|| PictureOfMaterial { path: folder.join(with_slashes(&name)), name, wrap })
 }
 
 /// Three numbers from 0 to 1, or one for all three channels.
@@ -114,19 +206,25 @@ mod tests {
     fn libraries_are_found_with_spaces_in_and_between_their_names() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
-        write("my colours.mtl", "newmtl red\nKd 1 0 0\nmap_Kd bricks.png\n");
+        write("my colours.mtl", "newmtl red\nKd 1 0 0\nmap_Kd -s 2 2 -o 0.5 -clamp on walls\\old bricks.png\n");
         write("a.mtl", "newmtl green\r\n\tKd 0 1 0\r\nd 0.5\r\n");
         let lines = ["my colours.mtl", "a.mtl b.mtl", "a.mtl b.mtl"].map(str::to_owned);
         let mut warnings = Warnings::default();
         let materials = read_libraries(&lines, Some(folder.path()), &mut warnings);
-        assert_eq!(materials["red"].base_color, Vec3::X);
-        assert_eq!(materials["green"].base_color, Vec3::Y);
+        assert_eq!(materials["red"].material.base_color, Vec3::X);
+        let bricks = PictureOfMaterial {
+            name: r"walls\old bricks.png".to_owned(),
+            path: folder.path().join("walls/old bricks.png"),
+            wrap: Wrap::Clamp,
+        };
+        assert_eq!(materials["red"].picture, Some(bricks));
+        let green = &materials["green"].material;
+        assert_eq!((green.base_color, green.alpha, green.alpha_mode), (Vec3::Y, 0.5, AlphaMode::Blend));
         let texts: Vec<String> = warnings.finish().iter().map(ToString::to_string).collect();
         assert_eq!(
             texts,
             [
-                "1 base colour texture is ignored",
-                "1 transparent material is drawn and casts as opaque (first: \"green\")",
+                "2 options of textures are ignored (first: -s)",
                 "1 material library is missing; its colours are left out (first: \"b.mtl\")",
             ]
         );

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::error::quoted;
 use crate::place::linear_from_srgb;
@@ -18,6 +18,10 @@ pub(super) struct Obj {
     /// sRGB as in the file, one for each `v`; empty when no vertex has one.
     colors: Vec<Option<Vec3>>,
     corners: Vec<u32>,
+    /// One for each `vt`, (0, 0) the top left of a picture.
+    uvs: Vec<Vec2>,
+    /// For each corner, the index of its texture coordinates; empty when no corner has any.
+    corner_uvs: Vec<u32>,
     pub(super) faces: Vec<Face>,
     groups: Vec<Group>,
     /// Names, in the order in which faces first use them; empty where they use none.
@@ -47,8 +51,8 @@ struct Group {
     group_name: Option<String>,
 }
 
-/// Names no vertex, whatever their number.
-const NO_VERTEX: u32 = u32::MAX;
+/// Names no vertex and no texture coordinate, whatever their number.
+const NOTHING: u32 = u32::MAX;
 
 impl Obj {
     pub(super) fn read(bytes: &[u8], warnings: &mut Warnings) -> Self {
@@ -59,8 +63,9 @@ impl Obj {
             match keyword {
                 b"v" => obj.read_vertex(line, rest, warnings),
                 b"f" | b"fo" => obj.read_face(line, rest, &mut current, warnings),
-                // Texture coordinates, normals and smoothing: nothing that a shadow depends on.
-                b"" | b"vt" | b"vn" | b"s" => {}
+                b"vt" => obj.read_uv(line, rest, warnings),
+                // Normals and smoothing: nothing that a shadow depends on.
+                b"" | b"vn" | b"s" => {}
                 b"o" => current.start_object(rest),
                 b"g" => current.start_group(rest),
                 b"usemtl" => current.start_material(rest),
@@ -94,6 +99,13 @@ impl Obj {
     /// The corners of `face`, as indices into `positions` that may be out of range.
     pub(super) fn corners_of(&self, face: &Face) -> &[u32] {
         &self.corners[face.first_corner..][..face.corner_count as usize]
+    }
+
+    /// The texture coordinates of each corner of `face`, (0, 0) for one without.
+    pub(super) fn uvs_of(&self, face: &Face) -> impl Iterator<Item = Vec2> {
+        let indices = self.corner_uvs.get(face.first_corner..).unwrap_or_default();
+        let uv = |i: usize| indices.get(i).and_then(|&index| self.uvs.get(index as usize));
+        (0..face.corner_count as usize).map(move |i| uv(i).copied().unwrap_or_default())
     }
 
     /// The faces of each group, both in the order of the file. A group that is taken up again goes on.
@@ -156,24 +168,47 @@ impl Obj {
         }
     }
 
+    fn drop_corners_from(&mut self, first: usize) {
+        self.corners.truncate(first);
+        self.corner_uvs.truncate(first);
+    }
+
+    fn read_uv(&mut self, line: usize, rest: &[u8], warnings: &mut Warnings) {
+        let mut numbers = words(rest).map(|word| number(word).unwrap_or(f64::NAN));
+        // The file has v up.
+        let uv = DVec2::new(numbers.next().unwrap_or(f64::NAN), 1.0 - numbers.next().unwrap_or(0.0)).as_vec2();
+        if !uv.is_finite() {
+            let words =
+                ["texture coordinate can't be read and became 0", "texture coordinates can't be read and became 0"];
+            warnings.add_one(words, || format!("line {line}: {}", quoted(&lossy(rest))));
+        }
+        self.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+    }
+
     fn read_face(&mut self, line: usize, rest: &[u8], current: &mut Current, warnings: &mut Warnings) {
         let first_corner = self.corners.len();
         for word in words(rest).take_while(|word| word[0] != b'#') {
-            let index = word.split(|&byte| byte == b'/').next().and_then(integer);
+            let mut indices = word.split(|&byte| byte == b'/');
+            let index = indices.next().and_then(integer);
             let Some(index) = index else {
-                self.corners.truncate(first_corner);
+                self.drop_corners_from(first_corner);
                 let words = ["face can't be read and was skipped", "faces can't be read and were skipped"];
                 warnings.add_one(words, || format!("line {line}: {}", quoted(&lossy(rest))));
                 return;
             };
-            // From 1 forward, from -1 back.
-            let vertex = if index > 0 { index - 1 } else { self.positions.len() as i64 + index };
-            let vertex = if index == 0 { NO_VERTEX } else { u32::try_from(vertex).unwrap_or(NO_VERTEX) };
-            self.corners.push(vertex);
+            self.corners.push(place_of(index, self.positions.len()));
+            // No coordinates, or broken ones, concern only the look.
+            let uv = indices.next().and_then(integer);
+            if uv.is_some() && self.corner_uvs.is_empty() {
+                self.corner_uvs.resize(self.corners.len() - 1, NOTHING);
+            }
+            if uv.is_some() || !self.corner_uvs.is_empty() {
+                self.corner_uvs.push(uv.map_or(NOTHING, |uv| place_of(uv, self.uvs.len())));
+            }
         }
         let corner_count = self.corners.len() - first_corner;
         if corner_count < 3 {
-            self.corners.truncate(first_corner);
+            self.drop_corners_from(first_corner);
             let words =
                 ["face of fewer than three corners was skipped", "faces of fewer than three corners were skipped"];
             warnings.add_one(words, || format!("line {line}"));
@@ -193,6 +228,12 @@ impl Obj {
         });
         self.faces.push(Face { first_corner, corner_count: corner_count as u32, group, material, line: line as u32 });
     }
+}
+
+/// Where in a list of `count` so far an index of the file points: from 1 forward, from -1 back.
+fn place_of(index: i64, count: usize) -> u32 {
+    let place = if index > 0 { index - 1 } else { count as i64 + index };
+    if index == 0 { NOTHING } else { u32::try_from(place).unwrap_or(NOTHING) }
 }
 
 /// The state that statements leave behind for the faces after them.

@@ -180,3 +180,32 @@ fn a_cube_of_quads_is_closed() {
     let counts = Topology::new(&model(cube).scene.objects[0].mesh).counts();
     assert_eq!((counts.edges, counts.border_edges, counts.closed_components), (18, 0, 1));
 }
+
+#[test]
+fn textures_are_read_beside_the_library_and_v_points_up() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::create_dir(folder.path().join("look")).expect("a folder");
+    let library = "newmtl brick\nmap_Kd brick.png\nnewmtl wood\nKd 0.5 0.5 0.5\nmap_Kd no wood.png\nnewmtl wall\n\
+        map_Kd brick.png\n";
+    std::fs::write(folder.path().join("look/its.mtl"), library).expect("a library");
+    image::GrayImage::new(4, 2).save(folder.path().join("look/brick.png")).expect("a picture");
+    // A concave polygon: the two coordinates are a quarter of the position's.
+    let text = "mtllib look/its.mtl\nv 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nvt 0 0\nvt 1 0\nvt 0.25 0.25\nvt 0 1\n\
+        usemtl brick\nf 1/1 2/2 3/3 4/4\nusemtl wood\nf 1/-4/1 2//1 3\nusemtl wall\nf 1 2 3\n";
+    let options = LoadOptions { up: Some(UpAxis::Z) };
+    let model = load_bytes(text.as_bytes(), Format::Obj, "wall.obj", Some(folder.path()), &options).expect("good");
+    let [texture] = model.scene.textures.as_slice() else { panic!("one texture: {:?}", model.scene.textures) };
+    assert_eq!((texture.name.as_str(), texture.size_px), ("brick.png", [4, 2]));
+    let materials: Vec<_> = model.scene.materials.iter().map(|m| (m.base_color.x, m.base_color_texture)).collect();
+    assert_eq!(materials, [(1.0, Some(0)), (0.5, None), (1.0, Some(0))]);
+    let mesh = &model.scene.objects[0].mesh;
+    for t in 0..2 {
+        for (corner, uv) in mesh.triangles()[t].iter().zip(mesh.corner_uvs()[t]) {
+            let position = mesh.positions()[*corner as usize];
+            assert_eq!((uv.x, uv.y), (position.x / 4.0, 1.0 - position.y / 4.0));
+        }
+    }
+    assert_eq!(mesh.corner_uvs()[2], [glam::Vec2::new(0.0, 1.0), glam::Vec2::ZERO, glam::Vec2::ZERO]);
+    let expected = ["1 base colour texture was left out (first: \"no wood.png\": its file is missing)"];
+    assert_eq!(warnings(&model), expected);
+}

@@ -170,15 +170,16 @@ impl Shadows {
         view: &ShadowView,
         light: &ShadowLight,
     ) {
-        self.reset(pass, light, if light.mark.is_none() { LIT } else { 0 });
+        self.reset(pass, view, light, if light.mark.is_none() { LIT } else { 0 });
         self.draw_reach(pass, view, light);
         self.draw_counts(pass, casters, view, light);
     }
 
     /// Sets the stencil to `value` within the light's rectangle: [`LIT`] where every pixel is to be counted, 0 where the caller marks
     /// receivers, with the stencil operation `Replace` and the reference [`LIT`]. A pass that begins with a clear stencil can do without.
-    pub fn reset(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight, value: u32) {
+    pub fn reset(&self, pass: &mut wgpu::RenderPass<'_>, view: &ShadowView, light: &ShadowLight, value: u32) {
         let Some(rect) = light.plan.rect else { return };
+        self.bind(pass, view, light);
         set_scissor(pass, rect);
         pass.set_pipeline(&self.pipelines.reset);
         pass.set_stencil_reference(value);

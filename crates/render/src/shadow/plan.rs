@@ -178,13 +178,13 @@ impl CasterPlanner<'_> {
         report.chain_triangles = volume.light_cap.len();
         report.index_bytes = if self.block.is_short() { size_of::<u16>() } else { size_of::<u32>() };
         let asked = self.case(options);
-        let overlaps = most_overlaps(caster, &chain, &volume, light);
+        let overlaps = most_overlaps(caster, &volume, light);
         if overlaps <= MOST_OVERLAPS {
             self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
         } else {
             for chain in split_chain(caster, &chain, light, MOST_OVERLAPS) {
                 let volume = ShadowVolume::new(caster, &chain);
-                let overlaps = most_overlaps(caster, &chain, &volume, light);
+                let overlaps = most_overlaps(caster, &volume, light);
                 self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
             }
         }

@@ -7,8 +7,8 @@ use umbrae_core::Surface;
 
 use super::Paints;
 use super::roofs::Roof;
+use crate::random::Random;
 use crate::sample::model::{Paint, Parts, block};
-use crate::sample::random::Random;
 
 /// The storey height of the whole town.
 const STOREY: f32 = 3.0;

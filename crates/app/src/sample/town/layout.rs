@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use crate::sample::random::Random;
+use crate::random::Random;
 
 /// The street crossings, row by row from the south, each from the west; the town's corners are cut off.
 const CROSSINGS: [[Vec2; 5]; 5] = [
@@ -19,6 +19,9 @@ const BUILT: [(usize, usize); 10] = [(1, 0), (2, 0), (0, 1), (1, 1), (3, 1), (0,
 /// Half the width of the streets along the rows of crossings, and along the columns.
 const HALF_STREET_OF_ROW: [f32; 5] = [1.0, 3.2, 6.6, 3.4, 1.0];
 const HALF_STREET_OF_COLUMN: [f32; 5] = [1.0, 3.4, 4.6, 3.2, 1.0];
+
+/// From the edge of a street to the posts of its lamps.
+const LAMP_FROM_EDGE: f32 = 1.2;
 
 /// How deep houses are, from the street to the court.
 const DEPTH: f32 = 11.2;
@@ -69,6 +72,23 @@ pub(super) fn avenue() -> impl Iterator<Item = Vec2> {
             [at - side, at + side]
         })
     })
+}
+
+/// A place for a lamp at the edge of the street along a row of crossings, and the direction from it to the middle of the street.
+///
+/// It is `share` of the way from crossing `column` to the next one east, on the north (`side` 1) or south (-1).
+pub(super) fn beside_row(row: usize, column: usize, share: f32, side: f32) -> (Vec2, Vec2) {
+    beside([CROSSINGS[row][column], CROSSINGS[row][column + 1]], HALF_STREET_OF_ROW[row], share, side)
+}
+
+/// As [`beside_row`], along a column, from crossing `row` to the next one north, on the west (`side` 1) or east (-1).
+pub(super) fn beside_column(column: usize, row: usize, share: f32, side: f32) -> (Vec2, Vec2) {
+    beside([CROSSINGS[row][column], CROSSINGS[row + 1][column]], HALF_STREET_OF_COLUMN[column], share, side)
+}
+
+fn beside([from, to]: [Vec2; 2], half_street: f32, share: f32, side: f32) -> (Vec2, Vec2) {
+    let across = (to - from).perp().normalize_or_zero() * side;
+    (from.lerp(to, share) + across * (half_street - LAMP_FROM_EDGE), -across)
 }
 
 impl Block {

@@ -7,8 +7,8 @@ use umbrae_core::shapes;
 
 use super::Paints;
 use super::roofs::Roof;
+use crate::random::Random;
 use crate::sample::model::{Model, Parts, block, profile, standing};
-use crate::sample::random::Random;
 
 /// Adds "town hall", "fountain" and "stall 1", "stall 2", ...
 pub(super) fn add(model: &mut Model, paints: &Paints, random: &mut Random) {

@@ -6,6 +6,7 @@
 mod church;
 mod fortification;
 mod house;
+mod lamps;
 mod layout;
 mod market;
 mod roofs;
@@ -20,7 +21,7 @@ use umbrae_core::{Mesh, Scene};
 use self::house::House;
 use self::layout::{Block, Plot};
 use super::model::{Model, Paint, Parts, standing, wall};
-use super::random::Random;
+use crate::random::Random;
 
 const SEED: u64 = 2007;
 
@@ -87,7 +88,19 @@ impl Paints {
     }
 }
 
+/// The town by day.
 pub(super) fn scene() -> Scene {
+    model().into_scene()
+}
+
+/// The same town, under street lamps.
+pub(super) fn scene_by_night() -> Scene {
+    let mut model = model();
+    lamps::add(&mut model);
+    model.into_scene()
+}
+
+fn model() -> Model {
     let mut model = Model::default();
     let paints = Paints::new(&mut model);
     let mut random = Random::new(SEED);
@@ -101,7 +114,7 @@ pub(super) fn scene() -> Scene {
     town.add_market();
     town.add_street_trees();
     fortification::add(&mut town.model, &town.paints);
-    town.model.into_scene()
+    town.model
 }
 
 /// The town that is being built.

@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 use umbrae_core::{Mesh, Surface, shapes};
 
 use super::Paints;
+use crate::random::Random;
 use crate::sample::model::Parts;
-use crate::sample::random::Random;
 
 /// Trees of about 8 m, with crowns of 2 to 3 m around the trunk; 140 triangles each.
 pub(super) fn kinds(paints: &Paints, random: &mut Random) -> Vec<Arc<Mesh>> {
