@@ -22,5 +22,7 @@ mod odd_models;
 mod outputs;
 #[path = "cli/report.rs"]
 mod report;
+#[path = "cli/show.rs"]
+mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;

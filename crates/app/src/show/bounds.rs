@@ -14,8 +14,10 @@ const LIGHT_RECT: Rgb = [225, 50, 60];
 const CASTER_RECT: Rgb = [40, 120, 215];
 /// With more rectangles than this, each is fainter.
 const OPAQUE_RECTS: f32 = 12.0;
-/// What is out of reach loses its colour and this much of its brightness.
-const DIMMED: f32 = 0.5;
+/// Surfaces within reach get this much…
+const TINT: f32 = 0.34;
+/// …of this colour.
+const REACHED: Rgb = [250, 170, 60];
 
 /// The edges of the body around the reach of `light`; nothing where it has no end.
 pub(super) fn reach(light: &Light) -> Overlay {
@@ -65,15 +67,15 @@ fn is_in_plane(p: DVec4, face: [DVec4; 3]) -> bool {
     normal.dot(relative(p)).abs() <= FLAT * normal.length() * relative(p).length()
 }
 
-/// Draws the rectangles over a picture, and takes the colour from what the light does not reach.
+/// Draws the rectangles over a picture, and tints the surfaces that the light can reach.
 pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize) -> Legend {
     let (light, report) = (&subject.lights[light], &subject.reports[light]);
     let mut legend = Legend::new(format!("Bounds of {}", quoted(&light.name)));
     if let Some(reach) = Reach::of(light) {
-        let share = dim_beyond(canvas, subject, &reach);
+        let share = tint_within(canvas, subject, &reach);
         legend = legend
-            .entry(Swatch::Line(REACH), "the body around what the light can reach; faint where hidden")
-            .text(format!("In colour: surfaces within it, {share:.1} % of the picture"));
+            .entry(Swatch::Line(REACH), "the body around its reach; faint where hidden")
+            .entry(Swatch::Area(REACHED), format!("surfaces in it: {share:.1} % of the picture"));
     } else {
         legend = legend.text("It reaches everywhere: no range, no cone");
     }
@@ -99,7 +101,7 @@ pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize)
         .rect
         .as_ref()
         .map_or("nothing: it is out of view".to_owned(), |rect| format!("{:.1} % of the picture", percent(rect)));
-    legend.entry(Swatch::Frame(LIGHT_RECT), format!("scissor of the light: {of_light}")).entry(
+    legend.entry(Swatch::Frame(LIGHT_RECT), format!("its scissor: {of_light}")).entry(
         Swatch::Frame(CASTER_RECT),
         format!("scissors of {}, {mean:.1} % on average", counted(volumes, "volume")),
     )
@@ -111,23 +113,20 @@ fn area_of(rect: &PixelRect) -> Area {
     Area::new(x, y, width, height)
 }
 
-/// Dims each pixel in which no surface within `reach` is seen, by a ray through its centre; returns how many per cent of the picture are left.
-fn dim_beyond(canvas: &mut Canvas<'_>, subject: &Subject<'_>, reach: &Reach) -> f64 {
+/// Tints each pixel in which a surface within `reach` is seen, by a ray through its centre; returns how many per cent of the picture that are.
+fn tint_within(canvas: &mut Canvas<'_>, subject: &Subject<'_>, reach: &Reach) -> f64 {
     let rays = subject.rays();
     let camera = subject.camera;
     let mut reached = 0_u64;
     for y in 0..canvas.height() {
         for x in 0..canvas.width() {
             let direction = camera.ray_direction(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let hit = rays.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY);
-            let point = hit.map(|hit| camera.eye() + direction * hit.t);
-            if point.is_some_and(|point| reach.region().contains(point.extend(1.0))) {
+            let Some(hit) = rays.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY) else { continue };
+            let point = camera.eye() + direction * hit.t;
+            if reach.region().contains(point.extend(1.0)) {
                 reached += 1;
-                continue;
+                canvas.mix(x, y, REACHED, TINT);
             }
-            let [r, g, b] = canvas.pixel(x, y).map(f32::from);
-            let grey = (DIMMED * (0.299 * r + 0.587 * g + 0.114 * b)).round() as u8;
-            canvas.mix(x, y, [grey; 3], 1.0);
         }
     }
     100.0 * reached as f64 / (f64::from(canvas.width()) * f64::from(canvas.height()))
