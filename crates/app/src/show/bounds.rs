@@ -7,6 +7,7 @@ use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 use super::canvas::{Area, Canvas, Rgb};
 use super::legend::{Legend, Swatch};
 use super::numbers::counted;
+use super::outlines::line_width_px;
 use super::{Subject, quoted};
 
 const REACH: Rgb = [225, 120, 10];
@@ -19,16 +20,18 @@ const TINT: f32 = 0.34;
 /// …of this colour.
 const REACHED: Rgb = [250, 170, 60];
 
-/// The edges of the body around the reach of `light`; nothing where it has no end.
-pub(super) fn reach(light: &Light) -> Overlay {
+/// The edges of the body around a light's reach; nothing where it has no end.
+pub(super) fn reach(subject: &Subject<'_>, light: usize) -> Overlay {
+    let lines = outline(&subject.lights[light]);
+    let line_width_px = line_width_px(subject, &lines, 2.5);
+    Overlay { lines, line_width_px, hidden_opacity: 0.3, ..Overlay::default() }
+}
+
+fn outline(light: &Light) -> Vec<[OverlayVertex; 2]> {
     let color = OverlayColor::new(REACH, 1.0);
     let edges = Reach::of(light).map(|reach| edges_of(reach.faces())).unwrap_or_default();
     let vertex = |p: DVec4| OverlayVertex { position_world: p.as_vec4(), color };
-    Overlay {
-        lines: edges.into_iter().map(|edge| edge.map(vertex)).collect(),
-        hidden_opacity: 0.3,
-        ..Overlay::default()
-    }
+    edges.into_iter().map(|edge| edge.map(vertex)).collect()
 }
 
 /// Each edge of a closed surface once; those inside a flat face, and those at infinity, are left out.
@@ -74,7 +77,7 @@ pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize)
     if let Some(reach) = Reach::of(light) {
         let share = tint_within(canvas, subject, &reach);
         legend = legend
-            .entry(Swatch::Line(REACH), "the body around its reach; faint where hidden")
+            .entry(Swatch::Line(REACH), "around its reach; faint where hidden")
             .entry(Swatch::Area(REACHED), format!("surfaces in it: {share:.1} % of the picture"));
     } else {
         legend = legend.text("It reaches everywhere: no range, no cone");
@@ -145,14 +148,14 @@ mod tests {
 
     #[test]
     fn the_reach_of_a_lamp_has_the_ninety_edges_of_its_sixty_triangles() {
-        assert_eq!(reach(&lamp()).lines.len(), 90);
+        assert_eq!(outline(&lamp()).len(), 90);
     }
 
     #[test]
     fn an_endless_cone_has_as_many_edges_as_sides() {
         let cone = Cone { axis: DVec3::NEG_Z, inner_rad: 0.2, outer_rad: 0.4 };
         let light = Light { cone: Some(cone), range_m: None, ..lamp() };
-        let lines = reach(&light).lines;
+        let lines = outline(&light);
         assert_eq!(lines.len(), 12);
         assert!(
             lines.iter().all(|[a, b]| a.position_world.w + b.position_world.w == 1.0),
@@ -165,11 +168,11 @@ mod tests {
         let cone = Cone { axis: DVec3::NEG_Z, inner_rad: 0.1, outer_rad: 0.2 };
         let light = Light { cone: Some(cone), ..lamp() };
         // Twelve sides and twelve edges of a flat cap: its fan lies in one plane.
-        assert_eq!(reach(&light).lines.len(), 24);
+        assert_eq!(outline(&light).len(), 24);
     }
 
     #[test]
     fn a_light_without_end_has_no_outline() {
-        assert!(reach(&Light { range_m: None, ..lamp() }).lines.is_empty());
+        assert!(outline(&Light { range_m: None, ..lamp() }).is_empty());
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn draw_counts(canvas: &mut Canvas<'_>, counts: &[i32], light: &str) 
     let of_pixels = |is_such: &dyn Fn(i32) -> bool| {
         share_of_picture(counts.iter().filter(|&&count| is_such(count)).count(), counts.len())
     };
-    let mut legend = Legend::new(format!("Stencil count: shadow volumes around what is seen, light {light}"))
+    let mut legend = Legend::new(format!("Stencil count: shadow volumes around what is seen, {light}"))
         .entry(Swatch::Area(UNSHADED), format!("0, not in shadow: {}", of_pixels(&|count| count == 0)));
     if most <= MOST_SINGLE_COUNTS {
         for count in 1..=most {
@@ -118,7 +118,7 @@ pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[u32], light: &str) -> L
     let untouched = fill.iter().filter(|&&fragments| fragments == 0).count();
     let pixels = fill.len().max(1) as f64;
     let colors = (0..FILL_STEPS).map(|i| FillScale::color_at(i as f64 / (FILL_STEPS - 1) as f64)).collect();
-    Legend::new(format!("Fill: fragments rasterised into the stencil per pixel, light {light}"))
+    Legend::new(format!("Fill: fragments rasterised into the stencil per pixel, {light}"))
         .scale(Scale { colors, ticks: scale.ticks() })
         .entry(Swatch::Area(UNTOUCHED), format!("none: {}", share_of_picture(untouched, fill.len())))
         .text(format!(
