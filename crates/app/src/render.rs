@@ -148,12 +148,10 @@ impl Stage {
             let shot = Shot { overlay: Some(overlay), ..self.shot() };
             picture.rgba = pollster::block_on(self.renderer.picture(&shot))?.rgba;
         }
-        let numbers = match show.counted_light() {
-            Some((light, show::Mode::Counts)) => {
-                Numbers::Counts(pollster::block_on(self.renderer.counts(&self.shot(), light))?)
-            }
-            Some((light, _)) => Numbers::Fill(pollster::block_on(self.renderer.fill(&self.shot(), light))?),
-            None => Numbers::None,
+        let numbers = match mode {
+            show::Mode::Counts => Numbers::Counts(self.counts(&show.lights())?),
+            show::Mode::Fill => Numbers::Fill(self.fill(&show.lights())?),
+            _ => Numbers::None,
         };
         Ok(show.finish(&mut picture.rgba, &numbers))
     }
@@ -168,6 +166,27 @@ impl Stage {
             Ok(Cost::new(&mask.light, Some(fill.iter().map(|&fragments| u64::from(fragments)).sum())))
         };
         self.lights.iter().map(|light| Ok([cost(light, self.shadows)?, cost(light, everything)?])).collect()
+    }
+
+    /// The stencil counts of the first of `lights`.
+    fn counts(&self, lights: &[&Light]) -> anyhow::Result<Vec<i32>> {
+        let Some(light) = lights.first() else { return Ok(self.for_each_pixel(0)) };
+        Ok(pollster::block_on(self.renderer.counts(&self.shot(), light))?)
+    }
+
+    /// The fragments of all `lights` together.
+    fn fill(&self, lights: &[&Light]) -> anyhow::Result<Vec<u32>> {
+        let mut total = self.for_each_pixel(0);
+        for light in lights {
+            let fill = pollster::block_on(self.renderer.fill(&self.shot(), light))?;
+            total.iter_mut().zip(fill).for_each(|(total, fragments)| *total += fragments);
+        }
+        Ok(total)
+    }
+
+    fn for_each_pixel<T: Clone>(&self, value: T) -> Vec<T> {
+        let [width, height] = self.camera.size_px().map(|side| side as usize);
+        vec![value; width * height]
     }
 
     fn shot(&self) -> Shot<'_> {

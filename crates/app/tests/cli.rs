@@ -24,5 +24,7 @@ mod outputs;
 mod report;
 #[path = "cli/shadows.rs"]
 mod shadows;
+#[path = "cli/show.rs"]
+mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;

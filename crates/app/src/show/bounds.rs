@@ -7,6 +7,7 @@ use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 use super::canvas::{Area, Canvas, Rgb};
 use super::legend::{Legend, Swatch};
 use super::numbers::counted;
+use super::outlines::line_width_px;
 use super::{Subject, quoted};
 
 const REACH: Rgb = [225, 120, 10];
@@ -14,19 +15,23 @@ const LIGHT_RECT: Rgb = [225, 50, 60];
 const CASTER_RECT: Rgb = [40, 120, 215];
 /// With more rectangles than this, each is fainter.
 const OPAQUE_RECTS: f32 = 12.0;
-/// What is out of reach loses its colour and this much of its brightness.
-const DIMMED: f32 = 0.5;
+/// Surfaces within reach get this much…
+const TINT: f32 = 0.34;
+/// …of this colour.
+const REACHED: Rgb = [250, 170, 60];
 
-/// The edges of the body around the reach of `light`; nothing where it has no end.
-pub(super) fn reach(light: &Light) -> Overlay {
+/// The edges of the body around a light's reach; nothing where it has no end.
+pub(super) fn reach(subject: &Subject<'_>, light: usize) -> Overlay {
+    let lines = outline(&subject.lights[light]);
+    let line_width_px = line_width_px(subject, &lines, 2.5);
+    Overlay { lines, line_width_px, hidden_opacity: 0.3, ..Overlay::default() }
+}
+
+fn outline(light: &Light) -> Vec<[OverlayVertex; 2]> {
     let color = OverlayColor::new(REACH, 1.0);
     let edges = Reach::of(light).map(|reach| edges_of(reach.faces())).unwrap_or_default();
     let vertex = |p: DVec4| OverlayVertex { position_world: p.as_vec4(), color };
-    Overlay {
-        lines: edges.into_iter().map(|edge| edge.map(vertex)).collect(),
-        hidden_opacity: 0.3,
-        ..Overlay::default()
-    }
+    edges.into_iter().map(|edge| edge.map(vertex)).collect()
 }
 
 /// Each edge of a closed surface once; those inside a flat face, and those at infinity, are left out.
@@ -65,15 +70,15 @@ fn is_in_plane(p: DVec4, face: [DVec4; 3]) -> bool {
     normal.dot(relative(p)).abs() <= FLAT * normal.length() * relative(p).length()
 }
 
-/// Draws the rectangles over a picture, and takes the colour from what the light does not reach.
+/// Draws the rectangles over a picture, and tints the surfaces that the light can reach.
 pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize) -> Legend {
     let (light, report) = (&subject.lights[light], &subject.reports[light]);
     let mut legend = Legend::new(format!("Bounds of {}", quoted(&light.name)));
     if let Some(reach) = Reach::of(light) {
-        let share = dim_beyond(canvas, subject, &reach);
+        let share = tint_within(canvas, subject, &reach);
         legend = legend
-            .entry(Swatch::Line(REACH), "the body around what the light can reach; faint where hidden")
-            .text(format!("In colour: surfaces within it, {share:.1} % of the picture"));
+            .entry(Swatch::Line(REACH), "around its reach; faint where hidden")
+            .entry(Swatch::Area(REACHED), format!("surfaces in it: {share:.1} % of the picture"));
     } else {
         legend = legend.text("It reaches everywhere: no range, no cone");
     }
@@ -99,7 +104,7 @@ pub(super) fn draw(canvas: &mut Canvas<'_>, subject: &Subject<'_>, light: usize)
         .rect
         .as_ref()
         .map_or("nothing: it is out of view".to_owned(), |rect| format!("{:.1} % of the picture", percent(rect)));
-    legend.entry(Swatch::Frame(LIGHT_RECT), format!("scissor of the light: {of_light}")).entry(
+    legend.entry(Swatch::Frame(LIGHT_RECT), format!("its scissor: {of_light}")).entry(
         Swatch::Frame(CASTER_RECT),
         format!("scissors of {}, {mean:.1} % on average", counted(volumes, "volume")),
     )
@@ -111,23 +116,20 @@ fn area_of(rect: &PixelRect) -> Area {
     Area::new(x, y, width, height)
 }
 
-/// Dims each pixel in which no surface within `reach` is seen, by a ray through its centre; returns how many per cent of the picture are left.
-fn dim_beyond(canvas: &mut Canvas<'_>, subject: &Subject<'_>, reach: &Reach) -> f64 {
+/// Tints each pixel in which a surface within `reach` is seen, by a ray through its centre; returns how many per cent of the picture that are.
+fn tint_within(canvas: &mut Canvas<'_>, subject: &Subject<'_>, reach: &Reach) -> f64 {
     let rays = subject.rays();
     let camera = subject.camera;
     let mut reached = 0_u64;
     for y in 0..canvas.height() {
         for x in 0..canvas.width() {
             let direction = camera.ray_direction(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let hit = rays.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY);
-            let point = hit.map(|hit| camera.eye() + direction * hit.t);
-            if point.is_some_and(|point| reach.region().contains(point.extend(1.0))) {
+            let Some(hit) = rays.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY) else { continue };
+            let point = camera.eye() + direction * hit.t;
+            if reach.region().contains(point.extend(1.0)) {
                 reached += 1;
-                continue;
+                canvas.mix(x, y, REACHED, TINT);
             }
-            let [r, g, b] = canvas.pixel(x, y).map(f32::from);
-            let grey = (DIMMED * (0.299 * r + 0.587 * g + 0.114 * b)).round() as u8;
-            canvas.mix(x, y, [grey; 3], 1.0);
         }
     }
     100.0 * reached as f64 / (f64::from(canvas.width()) * f64::from(canvas.height()))
@@ -146,14 +148,14 @@ mod tests {
 
     #[test]
     fn the_reach_of_a_lamp_has_the_ninety_edges_of_its_sixty_triangles() {
-        assert_eq!(reach(&lamp()).lines.len(), 90);
+        assert_eq!(outline(&lamp()).len(), 90);
     }
 
     #[test]
     fn an_endless_cone_has_as_many_edges_as_sides() {
         let cone = Cone { axis: DVec3::NEG_Z, inner_rad: 0.2, outer_rad: 0.4 };
         let light = Light { cone: Some(cone), range_m: None, ..lamp() };
-        let lines = reach(&light).lines;
+        let lines = outline(&light);
         assert_eq!(lines.len(), 12);
         assert!(
             lines.iter().all(|[a, b]| a.position_world.w + b.position_world.w == 1.0),
@@ -166,11 +168,11 @@ mod tests {
         let cone = Cone { axis: DVec3::NEG_Z, inner_rad: 0.1, outer_rad: 0.2 };
         let light = Light { cone: Some(cone), ..lamp() };
         // Twelve sides and twelve edges of a flat cap: its fan lies in one plane.
-        assert_eq!(reach(&light).lines.len(), 24);
+        assert_eq!(outline(&light).len(), 24);
     }
 
     #[test]
     fn a_light_without_end_has_no_outline() {
-        assert!(reach(&Light { range_m: None, ..lamp() }).lines.is_empty());
+        assert!(outline(&Light { range_m: None, ..lamp() }).is_empty());
     }
 }

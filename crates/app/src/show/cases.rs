@@ -85,8 +85,7 @@ pub(super) fn cases(subject: &Subject<'_>, light: usize) -> (Overlay, Legend) {
             overlay.triangles.extend(tinted(caster, subject, kind.color()));
         }
     }
-    let objects = counted(subject.casters.len(), "object");
-    let mut legend = Legend::new(format!("McGuire's case of {objects}, light {}", quoted(&subject.lights[light].name)));
+    let mut legend = Legend::new(format!("McGuire's cases, light {}", quoted(&subject.lights[light].name)));
     for kind in Kind::ALL {
         let casters = kinds.iter().filter(|&&other| other == kind).count();
         let is_case = matches!(kind, Kind::Pass | Kind::FailWithoutLightCap | Kind::Fail);
@@ -96,7 +95,7 @@ pub(super) fn cases(subject: &Subject<'_>, light: usize) -> (Overlay, Legend) {
                 legend.entry(Swatch::Area(kind.color()), format!("{} {}", grouped(casters as u64), kind.meaning()));
         }
     }
-    (overlay, legend)
+    (overlay, legend.text(format!("of {}", counted(subject.casters.len(), "object"))))
 }
 
 /// The triangles of `caster` in one colour, darker the more they turn from the eye, so that shapes stay readable.

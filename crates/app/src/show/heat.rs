@@ -10,7 +10,7 @@ const MOST_SINGLE_COUNTS: i32 = 8;
 const NEGATIVE: Rgb = [225, 30, 90];
 /// A pixel that no volume touched, in the legend; in the picture the scene is seen there in such greys.
 const UNTOUCHED: Rgb = [84, 84, 84];
-const LIT: Rgb = [214, 214, 214];
+const UNSHADED: Rgb = [214, 214, 214];
 
 /// Colours every pixel by its stencil count; where it is 0, the scene is left in light greys.
 ///
@@ -23,17 +23,14 @@ pub(crate) fn draw_counts(canvas: &mut Canvas<'_>, counts: &[i32], light: &str) 
         count => canvas.mix(x, y, count_color(count, most), 1.0),
     });
     let of_pixels = |is_such: &dyn Fn(i32) -> bool| {
-        let such = counts.iter().filter(|&&count| is_such(count)).count();
-        format!("{:.1} % of the picture", 100.0 * such as f64 / counts.len().max(1) as f64)
+        share_of_picture(counts.iter().filter(|&&count| is_such(count)).count(), counts.len())
     };
-    let mut legend = Legend::new(format!("Stencil count: shadow volumes around what is seen, under {light}"))
-        .entry(Swatch::Area(LIT), format!("0: lit, {}", of_pixels(&|count| count == 0)));
+    let mut legend = Legend::new(format!("Stencil count: shadow volumes around what is seen, {light}"))
+        .entry(Swatch::Area(UNSHADED), format!("0, not in shadow: {}", of_pixels(&|count| count == 0)));
     if most <= MOST_SINGLE_COUNTS {
         for count in 1..=most {
             let share = of_pixels(&|c| c == count);
-            let what = if count == 1 { "1 volume" } else { "volumes" };
-            let text = if count == 1 { format!("{what}: {share}") } else { format!("{count} {what}: {share}") };
-            legend = legend.entry(Swatch::Area(count_color(count, most)), text);
+            legend = legend.entry(Swatch::Area(count_color(count, most)), format!("{count}: {share}"));
         }
     } else {
         let steps = 64.min(most);
@@ -42,13 +39,20 @@ pub(crate) fn draw_counts(canvas: &mut Canvas<'_>, counts: &[i32], light: &str) 
         let ticks = nice_steps(1.0, f64::from(most)).into_iter().map(|value| value as i32);
         let mut ticks: Vec<(f32, String)> = ticks.map(|count| (at(count), count.to_string())).collect();
         ticks.push((1.0, most.to_string()));
-        legend = legend.text("in shadow, by the number of volumes:").scale(Scale { colors, ticks });
+        legend = legend.text("In shadow, by the number of volumes:").scale(Scale { colors, ticks });
     }
     if counts.iter().any(|&count| count < 0) {
         let share = of_pixels(&|count| count < 0);
         legend = legend.entry(Swatch::Area(NEGATIVE), format!("below 0, which is wrong: {share}"));
     }
     legend
+}
+
+/// `50.0 % of the picture`.
+fn share_of_picture(pixels: usize, all: usize) -> String {
+    let percent = 100.0 * pixels as f64 / all.max(1) as f64;
+    let amount = if pixels > 0 && percent < 0.05 { "under 0.1".to_owned() } else { format!("{percent:.1}") };
+    format!("{amount} % of the picture")
 }
 
 /// Viridis, from 1 to `most`.
@@ -114,9 +118,9 @@ pub(crate) fn draw_fill(canvas: &mut Canvas<'_>, fill: &[u32], light: &str) -> L
     let untouched = fill.iter().filter(|&&fragments| fragments == 0).count();
     let pixels = fill.len().max(1) as f64;
     let colors = (0..FILL_STEPS).map(|i| FillScale::color_at(i as f64 / (FILL_STEPS - 1) as f64)).collect();
-    Legend::new(format!("Fill: fragments of shadow volumes rasterised per pixel, under {light}"))
+    Legend::new(format!("Fill: fragments rasterised into the stencil per pixel, {light}"))
         .scale(Scale { colors, ticks: scale.ticks() })
-        .entry(Swatch::Area(UNTOUCHED), format!("none: {:.1} % of the picture", 100.0 * untouched as f64 / pixels))
+        .entry(Swatch::Area(UNTOUCHED), format!("none: {}", share_of_picture(untouched, fill.len())))
         .text(format!(
             "{} fragments in all, {:.2} a pixel on average{}",
             grouped(total),
@@ -180,12 +184,12 @@ mod tests {
             found.unwrap_or_else(|| panic!("no entry starts with {start}: {legend:?}"))
         };
         assert!(is_grey(pixels[0]) && pixels[0] == pixels[5]);
-        assert_eq!(pixels[1], color_of("1 volume"));
-        assert_eq!(pixels[2], color_of("2 volumes"));
-        assert_eq!([pixels[3], pixels[4]], [color_of("3 volumes"); 2]);
+        assert_eq!(pixels[1], color_of("1:"));
+        assert_eq!(pixels[2], color_of("2:"));
+        assert_eq!([pixels[3], pixels[4]], [color_of("3:"); 2]);
         assert_eq!(pixels[6], color_of("below 0"));
         let said = legend.sentences().join("\n");
-        assert!(said.contains("0: lit, 28.6 %") && said.contains("3 volumes: 28.6 %"), "{said}");
+        assert!(said.contains("0, not in shadow: 28.6 %") && said.contains("3: 28.6 %"), "{said}");
     }
 
     #[test]
@@ -242,9 +246,16 @@ mod tests {
     #[test]
     fn a_picture_without_any_shadow_has_a_legend_too() {
         let (_, legend) = on_grey(3, |canvas| draw_counts(canvas, &[0; 3], "sun"));
-        assert!(legend.sentences().join("\n").contains("0: lit, 100.0 %"));
+        assert!(legend.sentences().join("\n").contains("0, not in shadow: 100.0 %"));
         let (_, legend) = on_grey(3, |canvas| draw_fill(canvas, &[0; 3], "sun"));
         assert!(legend.sentences().join("\n").contains("0 fragments in all"));
+    }
+
+    #[test]
+    fn a_few_pixels_are_more_than_none() {
+        assert_eq!(share_of_picture(0, 1_000_000), "0.0 % of the picture");
+        assert_eq!(share_of_picture(3, 1_000_000), "under 0.1 % of the picture");
+        assert_eq!(share_of_picture(1_000, 1_000_000), "0.1 % of the picture");
     }
 
     #[test]

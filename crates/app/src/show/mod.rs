@@ -98,8 +98,8 @@ pub enum Numbers {
 const MOST_LIGHTS: usize = 4;
 
 impl<'a> Show<'a> {
-    /// Finds what `mode` shows of `subject`: about the light called `light_name`, or else about the first ones (of volumes and silhouettes) or the
-    /// first one.
+    /// Finds what `mode` shows of `subject`: about the light called `light_name`, or else about the first ones (of volumes and silhouettes), all (of fill)
+    /// or the first one.
     ///
     /// # Errors
     ///
@@ -112,7 +112,7 @@ impl<'a> Show<'a> {
             (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &chosen)),
             (Mode::Topology, _) => some_first(edges::topology(&subject)),
             (Mode::Cases, Some(&light)) => some_first(cases::cases(&subject, light)),
-            (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject.lights[light])), Legend::default()),
+            (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject, light)), Legend::default()),
             _ => (None, Legend::default()),
         };
         Ok(Self { mode, subject, lights, overlay, legend })
@@ -123,19 +123,18 @@ impl<'a> Show<'a> {
         self.overlay.as_ref()
     }
 
-    /// The light whose pixels must be counted, and whether for [`Mode::Counts`] or [`Mode::Fill`]; `None` for other modes.
-    pub fn counted_light(&self) -> Option<(&'a Light, Mode)> {
-        let is_counted = matches!(self.mode, Mode::Counts | Mode::Fill);
-        self.lights.first().filter(|_| is_counted).map(|&light| (&self.subject.lights[light], self.mode))
+    /// The lights about which it is: of [`Mode::Counts`] one; of [`Mode::Fill`] those whose fragments are to be added up.
+    pub fn lights(&self) -> Vec<&'a Light> {
+        self.lights.iter().map(|&light| &self.subject.lights[light]).collect()
     }
 
     /// Draws the rest on the finished picture: four sRGB bytes a pixel, row by row from the top. `numbers` are those of
-    /// [`Show::counted_light`].
+    /// [`Show::lights`].
     pub fn finish(mut self, rgba: &mut [u8], numbers: &Numbers) -> ShowReport {
         let mut canvas = Canvas::new(rgba, self.subject.camera.size_px());
         let lights = self.subject.lights;
         if let Some(&light) = self.lights.first() {
-            let name = quoted(&lights[light].name);
+            let name = names_of(&self.lights(), lights);
             match (numbers, self.mode) {
                 (Numbers::Counts(counts), _) => self.legend = heat::draw_counts(&mut canvas, counts, &name),
                 (Numbers::Fill(fill), _) => self.legend = heat::draw_fill(&mut canvas, fill, &name),
@@ -177,7 +176,8 @@ fn shown_lights(mode: Mode, lights: &[Light], name: Option<&str>) -> anyhow::Res
     let Some(name) = name else {
         let most = match mode {
             Mode::Volumes | Mode::Silhouettes => MOST_LIGHTS,
-            Mode::Cases | Mode::Counts | Mode::Bounds | Mode::Fill => 1,
+            Mode::Cases | Mode::Counts | Mode::Bounds => 1,
+            Mode::Fill => lights.len(),
             Mode::Topology => 0,
         };
         return Ok((0..lights.len().min(most)).collect());
@@ -193,8 +193,11 @@ fn quoted(name: &str) -> String {
     format!("\"{name}\"")
 }
 
-/// The names of the `shown` lights of `all`, for a title.
+/// The names of the `shown` lights of `all`, for a title; or how many, where those would be too many to read.
 fn names_of(shown: &[&Light], all: &[Light]) -> String {
+    if shown.len() > MOST_LIGHTS {
+        return format!("{} lights", shown.len());
+    }
     let names: Vec<String> = shown.iter().map(|light| quoted(&light.name)).collect();
     let of_all =
         if shown.len() < all.len() { format!(" ({} of {} lights)", shown.len(), all.len()) } else { String::new() };

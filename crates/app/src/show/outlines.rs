@@ -147,7 +147,7 @@ const MOST_COVERED: f64 = 0.10;
 const THINNEST_PX: f64 = 1.0;
 
 /// The width of `lines`, in pixels, that leaves enough of the picture to be seen.
-fn line_width_px(subject: &Subject<'_>, lines: &[[OverlayVertex; 2]], widest_px: f32) -> f32 {
+pub(super) fn line_width_px(subject: &Subject<'_>, lines: &[[OverlayVertex; 2]], widest_px: f32) -> f32 {
     let clip_from_world = subject.camera.clip_from_world();
     let [width, height] = subject.camera.size_px().map(f64::from);
     let length_px = |ends: &[OverlayVertex; 2]| {
