@@ -52,7 +52,6 @@ pub fn load_all(
             is_animated |= play(&mut model, moment).with_context(cant)?;
             names.extend(model.animations.iter().map(|animation| format!("`{}`", animation.name)));
         }
-        say_warnings(path, &model, talk);
         scene.add(model.scene).with_context(|| format!("can't join `{}` with the models before it", path.display()))?;
         files.push(LoadedFile { path: path.clone(), format: model.format, up: model.up, warnings: model.warnings });
     }
@@ -63,6 +62,10 @@ pub fn load_all(
         }
         Some(_) if !is_animated => talk.warning("--time changes nothing: no model has an animation"),
         _ => {}
+    }
+    // After all that can go wrong: an error is one sentence.
+    for file in &files {
+        say(&file.path, &file.warnings, talk);
     }
     Ok((scene, files))
 }
@@ -85,7 +88,7 @@ fn play(model: &mut Model, moment: &Moment) -> anyhow::Result<bool> {
 /// When the file can't be loaded, with the reason.
 pub fn load_one(path: &Path, up: Option<Up>, talk: &Talk) -> anyhow::Result<Model> {
     let model = read(path, up)?;
-    say_warnings(path, &model, talk);
+    say(path, &model.warnings, talk);
     Ok(model)
 }
 
@@ -93,8 +96,8 @@ fn read(path: &Path, up: Option<Up>) -> anyhow::Result<Model> {
     Ok(load(path, &LoadOptions { up: up.map(Into::into) })?)
 }
 
-fn say_warnings(path: &Path, model: &Model, talk: &Talk) {
-    for warning in &model.warnings {
+fn say(path: &Path, warnings: &[Warning], talk: &Talk) {
+    for warning in warnings {
         talk.warning(&format!("`{}`: {warning}", path.display()));
     }
 }
