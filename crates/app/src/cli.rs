@@ -13,8 +13,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 
+use crate::model::Moment;
 use crate::output::write_to_stdout;
-use crate::parse::{fov_deg, metres, picture_size, xyz};
+use crate::parse::{fov_deg, metres, picture_size, seconds, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
 
@@ -105,6 +106,14 @@ pub struct RenderArgs {
     /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,
+
+    /// Show animated models as they are this long after the beginning; after its last key an animation stands still (default: at rest)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    pub time: Option<f64>,
+
+    /// The animation to play, by the name that `umbrae inspect` shows (default: all that move different things, else the first)
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub animation: Option<String>,
 
     /// Picture to write (PNG; default: the first model's name with .png, in the current folder)
     #[arg(long, short, value_name = "FILE", help_heading = "Files to write")]
@@ -248,6 +257,11 @@ pub struct SampleArgs {
 }
 
 impl RenderArgs {
+    /// The moment to show; `None` at rest.
+    pub fn moment(&self) -> Option<Moment> {
+        self.time.map(|time_s| Moment { time_s, animation: self.animation.clone() })
+    }
+
     /// Where the picture goes.
     pub fn picture_path(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| {

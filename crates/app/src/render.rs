@@ -43,7 +43,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, args.up, talk)?;
+    let (mut scene, files) = load_all(&args.models, args.up, args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let model = scene.bounds();
     let choice = view_choice(args);
@@ -95,6 +95,8 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         origin: origin.to_array(),
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
         camera: CameraReport::new(&camera, origin),
+        time: args.time,
+        animation: args.animation.clone(),
         samples: args.samples,
         method: Method::name(stage.shadows.method),
         left_out: LeftOut::new(&stage.shadows),

@@ -27,6 +27,12 @@ pub struct Report {
     pub adapter: String,
     /// In the order of the command line.
     pub models: Vec<ModelReport>,
+    /// With `--time`: seconds after the beginning of the models' animations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// With `--animation`: the one that is played, in models that have it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
     /// What is subtracted before rounding to `f32`.
     pub origin: [f64; 3],
     /// Absent with `--no-ground`.

@@ -16,6 +16,8 @@ mod independent;
 mod lights;
 #[path = "cli/memory.rs"]
 mod memory;
+#[path = "cli/moments.rs"]
+mod moments;
 #[path = "cli/odd_models.rs"]
 mod odd_models;
 #[path = "cli/outputs.rs"]
