@@ -22,5 +22,9 @@ mod odd_models;
 mod outputs;
 #[path = "cli/report.rs"]
 mod report;
+#[path = "cli/shadows.rs"]
+mod shadows;
+#[path = "cli/show.rs"]
+mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;

@@ -2,6 +2,8 @@
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003, section 4.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::{DVec3, DVec4, Vec3};
 
 /// Below this, light can't be seen: half a step of an 8-bit display.
@@ -70,7 +72,8 @@ pub struct Light {
     pub strength: Vec3,
     /// Where a spot light shines; `None` shines all around. Without meaning for a directional light.
     pub cone: Option<Cone>,
-    /// The distance, in metres, at which the light has faded to nothing; infinite for `None`, and for any directional light.
+    /// The distance, in metres, at which the light has faded to nothing; infinite for `None`, and for any directional
+    /// light.
     ///
     /// The fading is glTF's: inverse square times `1 - (distance / range)^4`.
     pub range_m: Option<f64>,
@@ -93,11 +96,47 @@ impl Light {
         Self { name: name.into(), position, strength, cone: None, range_m: None }
     }
 
-    /// The distance at which a light without a range falls below what a display can show, when `exposure` takes strength to display units.
+    /// The same light after rounding to what a GPU is told (position, axis, angles and range), so that both reason
+    /// about one light.
+    pub fn rounded_to_f32(&self) -> Self {
+        let round = |number: f64| f64::from(number as f32);
+        // The nearest f32 to a right angle is above it.
+        let round_angle = |angle_rad: f64| round(angle_rad).min(FRAC_PI_2);
+        Self {
+            position: self.position.rounded_to_f32(),
+            cone: self.cone.map(|cone| Cone {
+                axis: cone.axis.as_vec3().as_dvec3(),
+                inner_rad: round_angle(cone.inner_rad),
+                outer_rad: round_angle(cone.outer_rad),
+            }),
+            range_m: self.range_m.map(round),
+            ..self.clone()
+        }
+    }
+
+    /// The distance at which a light without a range falls below what a display can show, when `exposure` takes
+    /// strength to display units.
     ///
     /// With this as its range, the window changes what is seen by less than that too, because the window takes away
     /// `strength / distance^2 * (distance / range)^4`, which is at most `strength / range^2`.
     pub fn visible_range_m(&self, exposure: f32) -> f64 {
         (f64::from(self.strength.max_element() * exposure) / INVISIBLE).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_a_light_twice_is_rounding_it_once() {
+        let axis = DVec3::new(0.3, -0.2, -0.9).normalize_or_zero();
+        let cone = Some(Cone { axis, inner_rad: 0.1, outer_rad: FRAC_PI_2 });
+        let position = LightPosition::point(DVec3::new(0.1, 0.2, 0.3));
+        let light = Light { cone, range_m: Some(7.7), ..Light::new("spot", position, Vec3::ONE) };
+        let rounded = light.rounded_to_f32();
+        assert_eq!(rounded.rounded_to_f32(), rounded);
+        assert_eq!(rounded.range_m, Some(f64::from(7.7_f32)));
+        assert_eq!(rounded.cone.map(|c| c.outer_rad), Some(FRAC_PI_2), "never beyond a right angle");
     }
 }

@@ -79,13 +79,20 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
             LightPosition::point(in_plane),
             LightPosition::directional(random.point(1.0)).unwrap(),
         ]
-        .map(|position| Light::new("light", position.rounded_to_f32(), Vec3::ONE));
-        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        .map(|position| Light::new("light", position, Vec3::ONE));
+        let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             let mut first: Option<Vec<u8>> = None;
             for (rule, shadows) in all_options() {
-                let shot =
-                    Shot { scene: &gpu_scene, casters: &casters, camera: &camera, lights: &[], shadows, look: &look };
+                let shot = Shot {
+                    scene: &gpu_scene,
+                    casters: &casters,
+                    camera: &camera,
+                    lights: &[],
+                    shadows,
+                    look: &look,
+                    overlay: None,
+                };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
                 assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");
