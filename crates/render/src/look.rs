@@ -1,6 +1,6 @@
 //! How bright, and how far the ground reaches before it fades into the sky: nothing that a verdict depends on.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use umbrae_core::{Bounds, Light};
 
 /// Exposure and fading of a picture.
@@ -36,11 +36,11 @@ impl Look {
     /// more than the brightest of them allows where it still has most of its strength.
     pub fn for_model(model: &Bounds, lights: &[Light]) -> Self {
         let radius = model.radius().max(f64::MIN_POSITIVE);
-        let (mut together, mut brightest) = (0.0, 0.0_f64);
+        let (mut together, mut brightest) = (DVec3::ZERO, 0.0_f64);
         for light in lights {
             let offset = light.position.offset_from(model.center());
             let height = (offset.z / offset.length().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            let strength = f64::from(light.strength.max_element()) * (1.0 - LOW_LIGHT * (1.0 - height));
+            let strength = light.strength.as_dvec3() * (1.0 - LOW_LIGHT * (1.0 - height));
             if light.position.is_directional() {
                 together += strength;
                 continue;
@@ -49,9 +49,9 @@ impl Look {
             let range = light.range_m.unwrap_or(f64::INFINITY);
             together += strength / (distance * distance) * (1.0 - (distance / range).powi(4)).max(0.0);
             let bright_distance = distance.min(range * RANGE_SHARE);
-            brightest = brightest.max(strength / (bright_distance * bright_distance));
+            brightest = brightest.max(strength.max_element() / (bright_distance * bright_distance));
         }
-        let brightest = brightest.max(together) as f32;
+        let brightest = brightest.max(together.max_element()) as f32;
         Self {
             exposure: if brightest > 0.0 { KEY / brightest } else { 1.0 },
             fade_start_m: radius as f32 * FADE_RADII[0],
