@@ -69,7 +69,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
-    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
+    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
     times.upload = ms_since(start);
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 

@@ -129,7 +129,7 @@ fn verify(renderer: &Renderer, name: String, mut scene: Scene) -> Line {
     let in_shadow = view(in_shadow(&bounds, &model_only, sun, scene.origin));
     add_ground(&mut scene, &ground);
     let casters = Caster::of_scene(&scene);
-    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
+    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
     let oracle = Oracle::with_materials(&casters, &scene.materials, &scene.textures);
     let lights = four_lights(&bounds, &casters[0], sun);
 
@@ -145,6 +145,7 @@ fn verify(renderer: &Renderer, name: String, mut scene: Scene) -> Line {
                     lights: &[],
                     shadows,
                     look: &Look::NONE,
+                    overlay: None,
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);

@@ -3,12 +3,12 @@
 use umbrae_core::{Camera, Caster, Light};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::passes::{Layouts, LightPass, SurfacePass, TonePass, uniform_group};
+use crate::passes::{GlassPass, Layouts, LightPass, SurfacePass, TonePass, uniform_group};
 use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
-use crate::uniforms::View;
+use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, GpuScene, LightReport, Look, PassTime, ShadowLight, ShadowOptions, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
@@ -19,6 +19,7 @@ pub struct Renderer {
     picture: Passes,
     mask: Passes,
     tally: Tally,
+    glass: GlassPass,
     tone: TonePass,
     samples: u32,
     format: wgpu::TextureFormat,
@@ -84,8 +85,9 @@ impl Renderer {
         // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
         let mask = passes(Output::Mask, 1);
         let tally = Tally::new(&gpu);
+        let glass = GlassPass::new(&gpu, &layouts, samples);
         let tone = TonePass::new(&gpu, &layouts, format);
-        Self { gpu, layouts, picture, mask, tally, tone, samples, format }
+        Self { gpu, layouts, picture, mask, tally, glass, tone, samples, format }
     }
 
     /// The device.
@@ -156,7 +158,11 @@ impl Renderer {
             .map(|light| self.prepare_light(&self.picture, shot, &shadow_view, light))
             .collect::<Result<Vec<_>, _>>()?;
         let view = self.view_group(shot.camera, shot.look);
-        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
+        let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
+        let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
+        let glass = glass.as_ref().map(|glass| (&self.glass, glass));
+        let frame =
+            Frame { targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights, glass };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
@@ -174,8 +180,14 @@ impl Renderer {
         let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder("mask");
-        let frame =
-            Frame { targets: &targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
+        let frame = Frame {
+            targets: &targets,
+            scene: shot.scene,
+            view: &view,
+            shadow_view: &shadow_view,
+            lights: &lights,
+            glass: None,
+        };
         frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
         self.gpu.queue.submit([encoder.finish()]);
@@ -226,8 +238,14 @@ impl Renderer {
         let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder("tally");
-        let frame =
-            Frame { targets: &targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights };
+        let frame = Frame {
+            targets: &targets,
+            scene: shot.scene,
+            view: &view,
+            shadow_view: &shadow_view,
+            lights: &lights,
+            glass: None,
+        };
         frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &sums);
         self.gpu.queue.submit([encoder.finish()]);

@@ -68,7 +68,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
     for number in 0..40 {
         let scene = soup(&mut random);
         let casters = Caster::of_scene(&scene);
-        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
+        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let camera = Camera::new(random.point(3.0), random.point(1.0), 1.2, 0.05, [160, 120]).unwrap();
         let oracle = Oracle::new(&casters);
         let corners = casters[0].corners(0).map(Vec3::as_dvec3);
