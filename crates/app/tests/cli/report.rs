@@ -123,6 +123,10 @@ fn the_report_has_every_key() {
     let verify = &report["verify"];
     assert_eq!(keys(verify), ["decided", "errors", "lights", "pixels", "surface"]);
     assert_eq!((&verify["pixels"], &verify["errors"]), (&json!(2 * 64 * 48), &json!(0)));
+    let names = |lights: &Value| -> Vec<Value> {
+        lights.as_array().expect("a list").iter().map(|light| light["name"].clone()).collect()
+    };
+    assert_eq!(names(&verify["lights"]), names(&report["lights"]), "every light is verified");
     for key in ["pixels", "surface", "decided", "errors"] {
         let of_lights: u64 =
             verify["lights"].as_array().expect("a list").iter().map(|l| l[key].as_u64().expect(key)).sum();

@@ -61,7 +61,10 @@ impl CutOuts {
         let has_mask = |&material: &u32| masks.get(material as usize).is_some_and(Option::is_some);
         let meshes: Vec<Option<Arc<Mesh>>> = casters
             .iter()
-            .map(|caster| caster.mesh.triangle_materials().iter().any(has_mask).then(|| caster.mesh.clone()))
+            .map(|caster| {
+                let has_holes = caster.role.is_cutout && caster.mesh.triangle_materials().iter().any(has_mask);
+                has_holes.then(|| caster.mesh.clone())
+            })
             .collect();
         meshes.iter().any(Option::is_some).then_some(Self { meshes, masks })
     }

@@ -135,7 +135,7 @@ fn a_floor_that_just_touches_the_range_is_undecided_there_and_dark_all_around() 
 
 #[test]
 fn on_a_lights_border_a_shaded_pixel_is_dark_all_the_same() {
-    let roof = sheet(3.0, 40.0, 0, Role { casts: true, is_glass: true, ..Role::default() });
+    let roof = sheet(3.0, 40.0, 0, Role { is_glass: true, ..Role::default() });
     let judged = judge(&oracle(vec![floor(), roof]), Light { range_m: Some(4.0), ..lamp(0.0, 0.0, 4.0) });
     assert!(judged.iter().all(|j| j.verdict == Some(Verdict::Dark)));
 }
@@ -154,7 +154,7 @@ fn glass_is_not_seen_and_shades_only_if_it_casts() {
     let judged = judge(&oracle_of_clear, lamp(0.0, 0.0, 8.0));
     assert!(judged.iter().all(|j| j.verdict == Some(Verdict::Lit)));
 
-    let dark = Role { casts: true, is_glass: true, ..Role::default() };
+    let dark = Role { is_glass: true, ..Role::default() };
     let oracle_of_dark = oracle(vec![floor(), sheet(4.0, 1.0, 0, dark)]);
     assert!(oracle_of_dark.casting.is_some());
     assert_lit_where(&judge(&oracle_of_dark, lamp(0.0, 0.0, 8.0)), |p| -in_square_shadow(p));
@@ -162,7 +162,7 @@ fn glass_is_not_seen_and_shades_only_if_it_casts() {
 
 #[test]
 fn what_casts_not_is_seen_and_shades_nothing() {
-    let tree = Role { casts: false, is_glass: false, ..Role::default() };
+    let tree = Role { casts: false, ..Role::default() };
     let objects = vec![floor(), sheet(4.0, 1.0, 0, tree)];
     let judged = judge(&oracle(objects), lamp(0.0, 0.0, 8.0));
     let decided = judged.iter().filter(|j| j.verdict.is_some());
@@ -192,7 +192,7 @@ fn checkered(alphas: [u8; 4], cutoff: f32, alpha: f32, is_nearest: bool) -> (Mat
 /// A floor, and 10 m above it a sheet of a cut-out material that the camera sees 3.2 m of to each side; as it judges a
 /// lamp between the two, far out to the east: what is seen of the sheet is dark, the floor lit.
 fn judge_under_cut_out((material, texture): (Material, Arc<Texture>)) -> Vec<Judgement> {
-    let objects = vec![floor(), sheet(10.0, 1.6, 1, Role::default())];
+    let objects = vec![floor(), sheet(10.0, 1.6, 1, Role::of_material(&material))];
     let casters = Caster::of_scene(&Scene { objects, ..Scene::default() });
     let oracle = Oracle::with_materials(&casters, &[Material::default(), material], &[texture]);
     judge(&oracle, lamp(30.0, 0.0, 8.0))
@@ -250,7 +250,7 @@ fn a_materials_alpha_multiplies_its_textures() {
 #[test]
 fn a_surface_with_holes_casts_as_if_it_had_none() {
     let (material, texture) = checkered([0; 4], 0.5, 1.0, true);
-    let objects = vec![floor(), sheet(4.0, 1.0, 1, Role::default())];
+    let objects = vec![floor(), sheet(4.0, 1.0, 1, Role::of_material(&material))];
     let casters = Caster::of_scene(&Scene { objects, ..Scene::default() });
     let oracle = Oracle::with_materials(&casters, &[Material::default(), material], &[texture]);
     assert!(oracle.casting.is_none(), "one ray caster serves eyes and lights");
@@ -259,7 +259,7 @@ fn a_surface_with_holes_casts_as_if_it_had_none() {
 
 #[test]
 fn what_only_a_triangle_around_the_lamp_is_in_the_way_of_is_undecided() {
-    let oracle = oracle(vec![floor(), sheet(4.0, 1.0, 0, Role { casts: true, is_glass: true, ..Role::default() })]);
+    let oracle = oracle(vec![floor(), sheet(4.0, 1.0, 0, Role { is_glass: true, ..Role::default() })]);
     let judged = judge(&oracle, lamp(0.3, 0.2, 4.0));
     assert!(judged.iter().all(|j| j.verdict.is_none()), "the lamp is in the sheet: on which side can't be told");
 }
