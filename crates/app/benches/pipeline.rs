@@ -284,7 +284,8 @@ struct Passes {
 impl Drawing {
     fn new(stage: &Stage, samples: u32) -> anyhow::Result<Self> {
         let renderer = Renderer::new(pollster::block_on(Gpu::new(&AdapterChoice::default()))?, samples);
-        let (upload_ms, scene) = once_ms(|| GpuScene::new(renderer.gpu(), &stage.casters, &stage.scene.materials));
+        let (upload_ms, scene) =
+            once_ms(|| GpuScene::new(renderer.gpu(), &stage.casters, &stage.scene.materials, &stage.scene.textures));
         Ok(Self { renderer, scene: scene?, upload_ms })
     }
 

@@ -16,7 +16,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use umbrae_core::{Bounds, Light};
 
-use crate::lights::rounded_to_f32;
 use crate::random::Random;
 
 /// What makes a lamp an area.
@@ -53,12 +52,13 @@ pub fn as_points(lights: Vec<Light>, area: Area, model: &Bounds) -> Vec<Light> {
         let reach_m = light.range_m.unwrap_or(f64::INFINITY).min(model.radius());
         let radius_m = area.radius_m.unwrap_or(RADIUS_SHARE * reach_m);
         for (i, offset) in (1..).zip(offsets(light.cone.map(|cone| cone.axis), area.samples, &mut random)) {
-            all.push(rounded_to_f32(Light {
+            let point = Light {
                 name: format!("{} #{i}", light.name),
                 position: light.position.moved_by(offset * radius_m),
                 strength: light.strength / area.samples as f32,
                 ..light.clone()
-            }));
+            };
+            all.push(point.rounded_to_f32());
         }
     }
     all

@@ -1,7 +1,5 @@
 //! The lights of a picture: the user's, else the model's, else an afternoon sun; and how far they reach.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::{DVec3, Vec3};
 use umbrae_core::{Bounds, Cone, Light, LightPosition, Scene};
 
@@ -80,7 +78,8 @@ pub fn lights(lamps: &[LampChoice], scene: &Scene, model: &Bounds) -> Vec<Light>
         let sun = LampChoice::new(LampPlace::Sun { azimuth_deg, altitude_deg });
         lights.push(light(&sun, "sun".to_owned(), scene.origin, model));
     }
-    lights.into_iter().map(rounded_to_f32).collect()
+    // What draws and what verifies must mean the same light.
+    lights.iter().map(Light::rounded_to_f32).collect()
 }
 
 /// The same lights with an end: a lamp without a range gets the distance at which it falls below what a display shows under
@@ -93,22 +92,9 @@ pub fn reaching(lights: Vec<Light>, exposure: f32) -> Vec<Light> {
             return light;
         }
         let range_m = light.visible_range_m(exposure).max(LEAST_RANGE_M);
-        rounded_to_f32(Light { range_m: Some(range_m), ..light })
+        Light { range_m: Some(range_m), ..light }.rounded_to_f32()
     };
     lights.into_iter().map(with_end).collect()
-}
-
-/// What draws and what verifies must mean the same light.
-pub(crate) fn rounded_to_f32(light: Light) -> Light {
-    let round = |x: f64| f64::from(x as f32);
-    // The nearest f32 to a right angle is above it.
-    let round_angle = |angle_rad: f64| round(angle_rad).min(FRAC_PI_2);
-    let cone = light.cone.map(|cone| Cone {
-        axis: cone.axis.as_vec3().as_dvec3(),
-        inner_rad: round_angle(cone.inner_rad),
-        outer_rad: round_angle(cone.outer_rad),
-    });
-    Light { position: light.position.rounded_to_f32(), range_m: light.range_m.map(round), cone, ..light }
 }
 
 fn numbered(kind: &str, count: &mut usize) -> String {
@@ -182,7 +168,7 @@ mod tests {
     fn a_spot_of_half_of_space_is_no_wider_after_rounding() {
         let spot = LampPlace::Spot(SpotPlace { position: DVec3::Z, axis: DVec3::NEG_Z, outer_deg: 90.0 });
         let cone = lights_of(&[lamp(spot)])[0].cone.expect("it is a spot");
-        assert!(cone.outer_rad <= FRAC_PI_2 && cone.inner_rad < cone.outer_rad, "{cone:?}");
+        assert!(cone.outer_rad <= std::f64::consts::FRAC_PI_2 && cone.inner_rad < cone.outer_rad, "{cone:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Oracle};
+use umbrae_core::{Bounds, Camera, Caster, Light, Oracle, Scene};
 use umbrae_render::{
     AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
 };
@@ -70,7 +70,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
-    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
+    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
     times.upload = ms_since(start);
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
 
@@ -83,7 +83,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
     let start = Instant::now();
-    let (verified, wrong) = args.verify.then(|| verify(&stage, talk)).transpose()?.unzip();
+    let (verified, wrong) = args.verify.then(|| verify(&stage, &scene, talk)).transpose()?.unzip();
     let wrong = wrong.flatten().filter(|_| outputs.errors.is_some());
     times.verify = if args.verify { ms_since(start) } else { 0.0 };
 
@@ -274,12 +274,11 @@ impl Outputs {
 }
 
 /// Draws each light's mask and compares it with rays; says the result, and returns it with a picture of the first light with errors.
-fn verify(stage: &Stage, talk: &Talk) -> anyhow::Result<(VerifyJson, Option<Vec<u8>>)> {
-    let oracle = Oracle::new(&stage.casters);
+fn verify(stage: &Stage, scene: &Scene, talk: &Talk) -> anyhow::Result<(VerifyJson, Option<Vec<u8>>)> {
+    let oracle = Oracle::with_materials(&stage.casters, &scene.materials, &scene.textures);
     let [width, height] = stage.camera.size_px();
     let bar = talk.progress("casting rays", height.into());
-    let positions: Vec<LightPosition> = stage.lights.iter().map(|l| l.position).collect();
-    let judged = oracle.judge(&stage.camera, &positions, || bar.inc(1));
+    let judged = oracle.judge(&stage.camera, &stage.lights, || bar.inc(1));
     bar.finish_and_clear();
 
     let mut total = VerifyJson::default();

@@ -129,12 +129,12 @@ fn verify(renderer: &Renderer, name: String, mut scene: Scene) -> Line {
     let in_shadow = view(in_shadow(&bounds, &model_only, sun, scene.origin));
     add_ground(&mut scene, &ground);
     let casters = Caster::of_scene(&scene);
-    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
-    let oracle = Oracle::new(&casters);
+    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+    let oracle = Oracle::with_materials(&casters, &scene.materials, &scene.textures);
     let lights = four_lights(&bounds, &casters[0], sun);
 
     for (which, camera) in [outside, in_shadow, cutting(&outside, &bounds)].into_iter().enumerate() {
-        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             for method in [Method::Auto, Method::ZFail] {
                 let shadows = ShadowOptions::from(method);
@@ -201,7 +201,7 @@ fn four_lights(bounds: &Bounds, caster: &Caster, sun: LightPosition) -> [Light; 
 fn in_shadow(bounds: &Bounds, model: &Oracle, light: LightPosition, origin: DVec3) -> ViewChoice {
     let to_light = light.offset_from(bounds.center()).normalize_or_zero();
     let radius = bounds.radius();
-    let is_shaded = |eye: DVec3| model.rays().is_hit(eye, light.offset_from(eye), 0.0, f64::INFINITY);
+    let is_shaded = |eye: DVec3| model.casting().is_hit(eye, light.offset_from(eye), 0.0, f64::INFINITY);
     let behind = bounds.center() - to_light * radius * 1.15;
     let eye = (1..200)
         .map(|i| {

@@ -250,7 +250,9 @@ impl Tree {
             return ControlFlow::Continue(());
         }
         // Each level leaves all but one of its children waiting.
-        let mut waiting = [(f64::NEG_INFINITY, Link::default()); MAX_LEVELS * (WIDTH - 1) + 1];
+        // All bits 0, which is quickest to make.
+        let mut waiting = [(0.0, Link::default()); MAX_LEVELS * (WIDTH - 1) + 1];
+        waiting[0].0 = f64::NEG_INFINITY;
         let mut height = 1;
         while height > 0 {
             height -= 1;

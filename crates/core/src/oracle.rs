@@ -1,17 +1,26 @@
 //! What a picture should show, by casting rays: the judge of everything that is drawn.
 //!
-//! For each pixel and light: is there a surface, and does the light reach it? A pixel is *decided* when five rays, through
-//! its centre and a quarter of a pixel around it, agree, and no surface they meet is edge-on to the light.
+//! For each pixel and light: is there a surface, and does the light reach it? A pixel is *decided* when five rays,
+//! through its centre and a quarter of a pixel around it, agree, and no surface they meet is edge-on to the light.
 //!
-//! Two things no picture can settle, and leave a pixel undecided as well. Where the centre is on an edge as far as a rasteriser can tell, a
-//! hair of a hidden surface may show, or the volume that hangs on the edge come out in front of it: five rays may see one lit
-//! surface on each side, and the drawn pixel is dark; the same holds for a hair of shadow that begins there. And where only a triangle is in the way whose plane holds the light as far as `f32`
-//! can tell, it is not between them but beside them. Nothing here knows of silhouettes or volumes.
+//! Some things no picture can settle, and leave a pixel undecided as well. Where the centre is on an edge as far as a
+//! rasteriser can tell, a hair of a hidden surface may show, or the volume that hangs on the edge come out in front of
+//! it: five rays may see one lit surface on each side, and the drawn pixel is dark; the same holds for a hair of shadow
+//! that begins there. Where only a triangle is in the way whose plane holds the light as far as `f32` can tell, it is
+//! not between them but beside them. Where a surface is cut out, its holes have borders, and so have a light's range
+//! and cone. Nothing here knows of silhouettes or volumes.
+
+mod border;
+mod cut_out;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{Camera, Caster, Hit, LightPosition, RayCaster};
+use self::border::reaches;
+use self::cut_out::{CutOuts, Presence};
+use crate::{Camera, Caster, Hit, Light, LightPosition, Material, RayCaster, Texture};
 
 /// What one ray says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,73 +29,121 @@ pub enum Verdict {
     NoSurface,
     /// The light reaches the surface on the side that is seen.
     Lit,
-    /// Something is between, or the seen side is turned away.
+    /// Something is between, the seen side is turned away, or the light ends before it.
     Dark,
 }
 
 /// What the rays of one pixel say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Judgement {
-    /// Whether the ray through the centre meets a surface.
+    /// Whether the ray through the centre meets a surface, or what may be one.
     pub has_surface: bool,
     /// The verdict on which all rays of the pixel agree; `None` leaves it undecided.
     pub verdict: Option<Verdict>,
 }
 
-/// A surface whose normal is within this of a right angle to the light (as a cosine, 0.11 degrees) is edge-on. The volume of a
-/// neighbour that shades it lies on it at no greater angle, and a quarter of a pixel is about 1/4000 of the distance: nearer than that the two
-/// depths differ by less than 5e-7 of themselves, a few roundings of `f32`.
+/// A surface whose normal is within this of a right angle to the light (as a cosine, 0.11 degrees) is edge-on. The
+/// volume of a neighbour that shades it lies on it at no greater angle, and a quarter of a pixel is about 1/4000 of the
+/// distance: nearer than that the two depths differ by less than 5e-7 of themselves, a few roundings of `f32`.
 const EDGE_ON: f64 = 2e-3;
 
 /// A ray towards a light starts this far from its surface, relative to the size of the scene: beyond the rounding of
-/// the point, which is 1e-15 of it and up to 500 times that along a ray that leaves at the angle of [`EDGE_ON`]; well within what `f32` positions
-/// resolve.
+/// the point, which is 1e-15 of it and up to 500 times that along a ray that leaves at the angle of [`EDGE_ON`]; well
+/// within what `f32` positions resolve.
 const LIFT: f64 = 1e-9;
 
-/// How far from a plane, relative to the coordinates' size (of a directional light: as a cosine), a light may be and yet come out on the plane's other
-/// side: a few roundings of `f32` (2^-24 each).
+/// How far from a plane, relative to the coordinates' size (of a directional light: as a cosine), a light may be and
+/// yet come out on the plane's other side: a few roundings of `f32` (2^-24 each).
 const BLUR: f64 = 4e-7;
 
-/// Where the centre ray and its four neighbours pass, in pixels from the centre.
-const OFFSETS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.25, 0.0], [0.25, 0.0], [0.0, -0.25], [0.0, 0.25]];
-
-/// Rasterisers snap vertices to a grid, of 1/256 pixel on every device that we know (Vulkan asks for 1/16): nearer than this, in pixels, the
-/// centre may be on either side of an edge.
+/// Rasterisers snap vertices to a grid, of 1/256 pixel on every device that we know (Vulkan asks for 1/16): nearer than
+/// this, in pixels, the centre may be on either side of an edge.
 const RASTER_PX: f64 = 1.0 / 256.0;
 
+/// Where the rays around the centre pass, in pixels from it: four as near as [`RASTER_PX`], four a quarter of a pixel
+/// away.
+const OFFSETS: [[f64; 2]; 8] = [
+    [-RASTER_PX, 0.0],
+    [RASTER_PX, 0.0],
+    [0.0, -RASTER_PX],
+    [0.0, RASTER_PX],
+    [-0.25, 0.0],
+    [0.25, 0.0],
+    [0.0, -0.25],
+    [0.0, 0.25],
+];
+
+/// A point's place, or anything else that a device interpolates between corners, is good to this, relative to the
+/// corners' and times how much nearer the triangle comes than the point: the quotients by depth that are interpolated
+/// are as large as at its nearest corner, and take some roundings (2^-24 each).
+const INTERPOLATION: f64 = 4e-7;
+
 /// Casts the rays of pictures of one scene.
+///
+/// What is glass hides nothing, and what does not cast shades nothing.
 #[derive(Debug)]
 pub struct Oracle {
-    rays: RayCaster,
+    seen: RayCaster,
+    /// What casts; `None` where that is just what is seen.
+    casting: Option<RayCaster>,
+    cut_outs: Option<CutOuts>,
     /// The largest coordinate.
     scale: f64,
     lift: f64,
 }
 
 impl Oracle {
-    /// Builds the ray caster over `casters`.
+    /// Builds the ray caster over `casters`, without a hole in any surface.
     pub fn new(casters: &[Caster]) -> Self {
-        let rays = RayCaster::new(casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
-        let bounds = Caster::bounds_of(casters);
-        let scale = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { rays, scale, lift: LIFT * scale }
+        Self::with_materials(casters, &[], &[])
     }
 
-    /// The ray caster.
-    pub fn rays(&self) -> &RayCaster {
-        &self.rays
+    /// As [`Oracle::new`], for casters of `materials`, some of which may have holes: one sees through them, but their
+    /// surface casts as if it had none.
+    ///
+    /// Where something is seen and casts not, or casts and is not seen, there are two ray casters, of about 100 bytes a
+    /// triangle each; else one.
+    ///
+    /// # Panics
+    ///
+    /// If a material names a texture that is not there.
+    pub fn with_materials(casters: &[Caster], materials: &[Material], textures: &[Arc<Texture>]) -> Self {
+        // Each caster is the part of its own index, whether it takes part or not.
+        let rays_of = |takes_part: fn(&Caster) -> bool| {
+            let triangles = |caster| if takes_part(caster) { caster.mesh.triangles() } else { &[] };
+            RayCaster::new(casters.iter().map(|caster| (caster.positions.as_slice(), triangles(caster))))
+        };
+        let is_seen = |caster: &Caster| !caster.role.is_glass;
+        let casts = |caster: &Caster| caster.role.casts;
+        let is_one = casters.iter().all(|caster| is_seen(caster) == casts(caster));
+        let bounds = Caster::bounds_of(casters);
+        let scale = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
+        Self {
+            seen: rays_of(is_seen),
+            casting: (!is_one).then(|| rays_of(casts)),
+            cut_outs: CutOuts::new(casters, materials, textures),
+            scale,
+            lift: LIFT * scale,
+        }
+    }
+
+    /// The ray caster over what casts; parts are casters.
+    pub fn casting(&self) -> &RayCaster {
+        self.casting.as_ref().unwrap_or(&self.seen)
     }
 
     /// For each light the judgement of each pixel, row by row from the top; `row_done` is called after each row.
     ///
-    /// Lights are taken as given: round them first ([`LightPosition::rounded_to_f32`]) where drawing did. All cores
-    /// work; nine rays a pixel and up to nine more for each light.
-    pub fn judge(&self, camera: &Camera, lights: &[LightPosition], row_done: impl Fn() + Sync) -> Vec<Vec<Judgement>> {
+    /// Lights are those that are drawn: rounded ([`Light::rounded_to_f32`]). All cores work; up to nine rays a pixel
+    /// and up to nine more for each light.
+    pub fn judge(&self, camera: &Camera, lights: &[Light], row_done: impl Fn() + Sync) -> Vec<Vec<Judgement>> {
+        let lights: Vec<Light> = lights.iter().map(Light::rounded_to_f32).collect();
+        let eye = Eye::new(camera);
         let [width, height] = camera.size_px();
         let rows: Vec<Vec<Vec<Judgement>>> = (0..height)
             .into_par_iter()
             .map(|y| {
-                let row = self.judge_row(camera, lights, y, width);
+                let row = self.judge_row(&eye, &lights, y, width);
                 row_done();
                 row
             })
@@ -94,51 +151,98 @@ impl Oracle {
         (0..lights.len()).map(|l| rows.iter().flat_map(|row| row[l].iter().copied()).collect()).collect()
     }
 
-    fn judge_row(&self, camera: &Camera, lights: &[LightPosition], y: u32, width: u32) -> Vec<Vec<Judgement>> {
+    fn judge_row(&self, eye: &Eye, lights: &[Light], y: u32, width: u32) -> Vec<Vec<Judgement>> {
         let mut row = vec![Vec::with_capacity(width as usize); lights.len()];
+        // For each light what shaded the point before: it is likely to shade the next one too.
+        let mut in_the_way: Vec<Option<Hit>> = vec![None; lights.len()];
         for x in 0..width {
             let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let hits = OFFSETS.map(|offset| self.seen(camera, x, y, offset));
-            let nearby = self.seen_nearby(camera, x, y, hits[0].as_ref());
-            for (row, &light) in row.iter_mut().zip(lights) {
-                let verdict = nearby.and_then(|nearby| self.agreed(hits.iter().chain(&nearby), light));
-                row.push(Judgement { has_surface: hits[0].is_some(), verdict });
+            let center = self.sight(eye, [x, y], None);
+            let sights = self.sights_around(eye, [x, y], &center);
+            let has_surface = !matches!(center, Sight::Nothing);
+            for ((row, light), in_the_way) in row.iter_mut().zip(lights).zip(&mut in_the_way) {
+                let verdict = sights.as_ref().and_then(|sights| self.agreed(eye, sights, light, in_the_way));
+                row.push(Judgement { has_surface, verdict });
             }
         }
         row
     }
 
-    /// The nearest surface on the ray at `(x, y) + offset` in pixels.
-    fn seen(&self, camera: &Camera, x: f64, y: f64, [dx, dy]: [f64; 2]) -> Option<Seen> {
-        let direction = camera.ray_direction(x + dx, y + dy);
+    /// What the nine rays of the pixel about `(x, y)` see; `None` where that settles that it is undecided, because the
+    /// four nearest to the centre don't see one triangle (or nothing), or some ray can't tell a surface from a hole in
+    /// it.
+    fn sights_around(&self, eye: &Eye, [x, y]: [f64; 2], center: &Sight) -> Option<[Sight; 9]> {
+        let mut sights = [*center; 9];
+        for (i, [dx, dy]) in OFFSETS.into_iter().enumerate() {
+            let sight = self.sight(eye, [x + dx, y + dy], Some(center));
+            let is_off_center = i < 4 && sight.triangle() != center.triangle();
+            if is_off_center || matches!(sight, Sight::Unsure) {
+                return None;
+            }
+            sights[1 + i] = sight;
+        }
+        (!matches!(center, Sight::Unsure)).then_some(sights)
+    }
+
+    /// What the ray at `(x, y)` in pixels meets first. It is likely to be the triangle that `neighbour` met.
+    fn sight(&self, eye: &Eye, [x, y]: [f64; 2], neighbour: Option<&Sight>) -> Sight {
+        let direction = eye.direction(x, y);
+        let presence = |hit: &Hit| self.presence(eye, direction, hit);
+        let stops = |hit: &Hit| presence(hit) != Presence::Hole;
         // The near plane cuts by view depth, which is what the parameter of this ray measures.
-        let hit = self.rays.first_hit(camera.eye(), direction, camera.near(), f64::INFINITY)?;
-        let normal = self.rays.normal(&hit).try_normalize()?;
-        Some(Seen {
-            hit,
-            point: camera.eye() + direction * hit.t,
-            normal: if normal.dot(direction) < 0.0 { normal } else { -normal },
-        })
+        let near = eye.near;
+        let guess =
+            neighbour.and_then(Sight::seen).and_then(|seen| self.seen.hit_on(&seen.hit, eye.position, direction));
+        let far = guess.filter(|hit| hit.t >= near && stops(hit)).map_or(f64::INFINITY, |hit| hit.t);
+        let hit = if self.cut_outs.is_some() {
+            self.seen.first_hit_where(eye.position, direction, near, far, stops)
+        } else {
+            self.seen.first_hit(eye.position, direction, near, far)
+        };
+        let Some(hit) = hit else { return Sight::Nothing };
+        if presence(&hit) == Presence::Unsure {
+            return Sight::Unsure;
+        }
+        let Some(normal) = self.seen.normal(&hit).try_normalize() else { return Sight::Nothing };
+        let normal = if normal.dot(direction) < 0.0 { normal } else { -normal };
+        Sight::Surface(Seen { hit, point: eye.position + direction * hit.t, normal })
     }
 
-    /// What is seen [`RASTER_PX`] around the centre; `None` where that is not one triangle (or nothing) all round.
-    fn seen_nearby(&self, camera: &Camera, x: f64, y: f64, center: Option<&Seen>) -> Option<[Option<Seen>; 4]> {
-        let around = [[-RASTER_PX, 0.0], [RASTER_PX, 0.0], [0.0, -RASTER_PX], [0.0, RASTER_PX]];
-        let nearby = around.map(|offset| self.seen(camera, x, y, offset));
-        let is_center = |seen: &Option<Seen>| seen.as_ref().map(Seen::triangle) == center.map(Seen::triangle);
-        nearby.iter().all(is_center).then_some(nearby)
+    fn presence(&self, eye: &Eye, direction: DVec3, hit: &Hit) -> Presence {
+        let Some(cut_outs) = &self.cut_outs else { return Presence::Surface };
+        let point = eye.position + direction * hit.t;
+        cut_outs.presence(hit, self.seen.corners(hit), point, || self.blur(eye, hit))
     }
 
-    fn agreed<'a>(&self, seen: impl Iterator<Item = &'a Option<Seen>>, light: LightPosition) -> Option<Verdict> {
-        let mut verdicts = seen.map(|seen| self.verdict(seen.as_ref(), light));
+    /// How much of what is interpolated between the corners of a triangle may be lost where it is hit, relative to the
+    /// corners.
+    fn blur(&self, eye: &Eye, hit: &Hit) -> f64 {
+        let depths = self.seen.corners(hit).map(|corner| eye.forward.dot(corner - eye.position));
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min).max(eye.near);
+        INTERPOLATION * (hit.t / nearest).max(1.0)
+    }
+
+    fn agreed(&self, eye: &Eye, sights: &[Sight; 9], light: &Light, in_the_way: &mut Option<Hit>) -> Option<Verdict> {
+        let mut verdicts = sights.iter().map(|sight| self.verdict(eye, sight, light, in_the_way));
         let first = verdicts.next()??;
         verdicts.all(|verdict| verdict == Some(first)).then_some(first)
     }
 
-    /// `None` where the surface is edge-on.
-    fn verdict(&self, seen: Option<&Seen>, light: LightPosition) -> Option<Verdict> {
-        let Some(seen) = seen else { return Some(Verdict::NoSurface) };
-        let to_light = light.offset_from(seen.point);
+    /// `None` where the surface is edge-on, or on the light's border, or what is in the way is beside it; dark for
+    /// another reason is dark all the same.
+    fn verdict(&self, eye: &Eye, sight: &Sight, light: &Light, in_the_way: &mut Option<Hit>) -> Option<Verdict> {
+        let Some(seen) = sight.seen() else { return Some(Verdict::NoSurface) };
+        let to_light = light.position.offset_from(seen.point);
+        let is_reached = if light.cone.is_none() && light.range_m.is_none() {
+            Some(true)
+        } else {
+            let corners = self.seen.corners(&seen.hit);
+            let reach = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+            reaches(light, to_light, reach * self.blur(eye, &seen.hit))
+        };
+        if is_reached == Some(false) {
+            return Some(Verdict::Dark);
+        }
         let distance = to_light.length();
         let cosine = seen.normal.dot(to_light) / distance;
         // A light on the surface itself leaves no cosine, which is not a number.
@@ -148,19 +252,36 @@ impl Oracle {
         if cosine < 0.0 {
             return Some(Verdict::Dark);
         }
+        let is_shaded = self.is_shaded(seen.point, to_light, distance, light.position, in_the_way)?;
+        if is_shaded { Some(Verdict::Dark) } else { is_reached.map(|_| Verdict::Lit) }
+    }
+
+    /// Whether something between `point` and the light casts, and leaves in `in_the_way` what it is; `None` where all
+    /// that is there holds the light in its plane.
+    fn is_shaded(
+        &self,
+        point: DVec3,
+        to_light: DVec3,
+        distance: f64,
+        light: LightPosition,
+        in_the_way: &mut Option<Hit>,
+    ) -> Option<bool> {
+        let casting = self.casting();
         let (start, end) = (self.lift / distance, if light.is_directional() { f64::INFINITY } else { 1.0 });
-        let Some(nearest) = self.rays.first_hit(seen.point, to_light, start, end) else { return Some(Verdict::Lit) };
-        let mut is_dark = !self.holds_light(&nearest, light);
-        if !is_dark {
-            self.rays.for_each_hit(seen.point, to_light, start, end, |hit| is_dark |= !self.holds_light(&hit, light));
-        }
-        is_dark.then_some(Verdict::Dark)
+        let mut is_beside = false;
+        *in_the_way = casting.any_hit_where(point, to_light, start, end, in_the_way.as_ref(), |hit| {
+            let holds_light = self.holds_light(hit, light);
+            is_beside |= holds_light;
+            !holds_light
+        });
+        if in_the_way.is_some() { Some(true) } else { (!is_beside).then_some(false) }
     }
 
     /// Whether the light is in the plane of the triangle that was hit, as far as `f32` can tell.
     fn holds_light(&self, hit: &Hit, light: LightPosition) -> bool {
-        let normal = self.rays.normal(hit);
-        let to_light = light.offset_from(self.rays.corners(hit)[0]);
+        let casting = self.casting();
+        let normal = casting.normal(hit);
+        let to_light = light.offset_from(casting.corners(hit)[0]);
         let blur = if light.is_directional() {
             BLUR
         } else {
@@ -168,6 +289,47 @@ impl Oracle {
         };
         normal.dot(to_light).abs() <= blur * normal.length()
     }
+}
+
+/// A camera made ready for many rays.
+#[derive(Debug)]
+struct Eye {
+    position: DVec3,
+    near: f64,
+    forward: DVec3,
+    /// Through the top left corner of the picture; how that changes from one pixel to the next across and down.
+    first: DVec3,
+    across: DVec3,
+    down: DVec3,
+}
+
+impl Eye {
+    fn new(camera: &Camera) -> Self {
+        let first = camera.ray_direction(0.0, 0.0);
+        let [width, height] = camera.size_px().map(f64::from);
+        Self {
+            position: camera.eye(),
+            near: camera.near(),
+            forward: camera.axes()[2],
+            first,
+            across: (camera.ray_direction(width, 0.0) - first) / width,
+            down: (camera.ray_direction(0.0, height) - first) / height,
+        }
+    }
+
+    /// [`Camera::ray_direction`], but for rounding.
+    fn direction(&self, x: f64, y: f64) -> DVec3 {
+        self.first + self.across * x + self.down * y
+    }
+}
+
+/// What one ray from the eye meets first.
+#[derive(Debug, Clone, Copy)]
+enum Sight {
+    Nothing,
+    Surface(Seen),
+    /// What may be a surface or a hole in it.
+    Unsure,
 }
 
 /// A visible point and the unit normal on its visible side.
@@ -178,8 +340,16 @@ struct Seen {
     normal: DVec3,
 }
 
-impl Seen {
-    fn triangle(&self) -> (u32, u32) {
-        (self.hit.part, self.hit.triangle)
+impl Sight {
+    fn seen(&self) -> Option<&Seen> {
+        if let Self::Surface(seen) = self { Some(seen) } else { None }
+    }
+
+    /// Part and triangle.
+    fn triangle(&self) -> Option<(u32, u32)> {
+        self.seen().map(|seen| (seen.hit.part, seen.hit.triangle))
     }
 }
+
+#[cfg(test)]
+mod tests;

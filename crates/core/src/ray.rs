@@ -137,15 +137,84 @@ impl RayCaster {
 
     /// The nearest hit with `t_min <= t <= t_max`; of several at the same `t`, that of the lowest part, then triangle.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
+        self.nearest(origin, direction, t_min, t_max, |_, _| true)
+    }
+
+    /// As [`RayCaster::first_hit`], through every hit that `stops` does not stop at.
+    ///
+    /// `stops` is asked about some of the hits in the way, in no particular order, and must answer the same each time.
+    pub fn first_hit_where(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t_min: f64,
+        t_max: f64,
+        mut stops: impl FnMut(&Hit) -> bool,
+    ) -> Option<Hit> {
+        self.nearest(origin, direction, t_min, t_max, |t, number| stops(&self.hit(t, number)))
+    }
+
+    fn nearest(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t_min: f64,
+        t_max: f64,
+        mut stops: impl FnMut(f64, u32) -> bool,
+    ) -> Option<Hit> {
         let mut first: Option<(f64, u32)> = None;
         // Never breaks off.
         let _ = self.search(origin, direction, t_min, t_max, |t, number, limit| {
-            if first.is_none_or(|(first_t, first_number)| t < first_t || (t == first_t && number < first_number)) {
+            let is_nearer =
+                first.is_none_or(|(first_t, first_number)| t < first_t || (t == first_t && number < first_number));
+            if is_nearer && stops(t, number) {
                 first = Some((t, number));
+                return ControlFlow::Continue(limit.min(t));
             }
-            ControlFlow::Continue(limit.min(t))
+            ControlFlow::Continue(limit)
         });
         first.map(|(t, number)| self.hit(t, number))
+    }
+
+    /// Some hit with `t_min <= t <= t_max` for which `is_wanted`, if there is one: on the triangle of `guess`, if that
+    /// is one, else whichever is found first.
+    ///
+    /// Faster than [`RayCaster::first_hit`], as any hit will do, and much faster where the guess is right.
+    ///
+    /// # Panics
+    ///
+    /// If the guess is no hit of this caster.
+    pub fn any_hit_where(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t_min: f64,
+        t_max: f64,
+        guess: Option<&Hit>,
+        mut is_wanted: impl FnMut(&Hit) -> bool,
+    ) -> Option<Hit> {
+        let on_guess = guess.and_then(|guess| self.hit_on(guess, origin, direction));
+        let mut found = on_guess.filter(|hit| t_min <= hit.t && hit.t <= t_max && is_wanted(hit));
+        if found.is_none() {
+            // Breaks off only where something is found.
+            let _ = self.search(origin, direction, t_min, t_max, |t, number, limit| {
+                found = Some(self.hit(t, number)).filter(&mut is_wanted);
+                if found.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(limit) }
+            });
+        }
+        found
+    }
+
+    /// Where a ray meets the triangle of `other`, which some ray hit, whatever else is in the way; `None` where it
+    /// misses. Looks at that triangle only, and agrees to the last bit with the searches.
+    ///
+    /// # Panics
+    ///
+    /// As [`RayCaster::corners`].
+    pub fn hit_on(&self, other: &Hit, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let place = self.place(other);
+        let t = Ray::new(origin, direction)?.meets(&self.corners[place])?;
+        Some(Hit { t, ..*other })
     }
 
     /// Whether anything is hit with `t_min < t < t_max`.
@@ -176,8 +245,12 @@ impl RayCaster {
     ///
     /// If this caster has no such triangle, or one that can't be hit.
     pub fn corners(&self, hit: &Hit) -> [DVec3; 3] {
-        let place = self.places[(self.part_starts[hit.part as usize] + hit.triangle) as usize];
-        self.corners[place as usize].map(|c| Vec3::from_array(c).as_dvec3())
+        self.corners[self.place(hit)].map(|c| Vec3::from_array(c).as_dvec3())
+    }
+
+    /// Where in `corners` the triangle is.
+    fn place(&self, hit: &Hit) -> usize {
+        self.places[(self.part_starts[hit.part as usize] + hit.triangle) as usize] as usize
     }
 
     /// A normal of a triangle that was hit, out of the side from which its corners go round counter-clockwise; its

@@ -5,11 +5,12 @@
 //! for each light that reaches the view:
 //!   volumes              the mark, then the shadow volumes into the stencil
 //!   light                this light, added where the stencil says that it reaches
+//! glass                  what is seen through, over all that (pictures only)
 //! overlay                what is shown over the picture, if anything is
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
-use crate::passes::{GpuOverlay, LightPass, OverlayPass, SurfacePass, TonePass};
+use crate::passes::{GlassFrame, GlassPass, GpuOverlay, LightPass, OverlayPass, SurfacePass, TonePass};
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::timing::PassTimer;
 use crate::{GpuScene, Targets};
@@ -30,6 +31,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) view: &'a wgpu::BindGroup,
     pub(crate) shadow_view: &'a ShadowView,
     pub(crate) lights: &'a [FrameLight],
+    /// If there is any, and it is wanted.
+    pub(crate) glass: Option<(&'a GlassPass, &'a GlassFrame)>,
     /// With the pass that draws it.
     pub(crate) overlay: Option<(&'a OverlayPass, &'a GpuOverlay)>,
 }
@@ -43,14 +46,14 @@ pub(crate) struct FrameLight {
 
 /// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: usize) -> u32 {
-    3 + 2 * lights as u32
+    4 + 2 * lights as u32
 }
 
 /// Records everything but the tone mapping.
 pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
     let lights: Vec<&FrameLight> = frame.lights.iter().filter(|light| light.shadows.rect().is_some()).collect();
     // Multisampled colour is resolved once, after the last pass that adds to it.
-    record_surface(passes, frame, lights.is_empty(), encoder, timer);
+    record_surface(passes, frame, lights.is_empty() && frame.glass.is_none(), encoder, timer);
     for (i, light) in lights.iter().enumerate() {
         let clear_stencil = wgpu::LoadOp::Clear(light.shadows.clear_value());
         let name = format!("volumes: {}", light.name);
@@ -59,14 +62,20 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
         passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, &light.shadows);
         drop(pass);
 
-        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, i + 1 == lights.len());
+        let is_last = i + 1 == lights.len() && frame.glass.is_none();
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, is_last);
         let name = format!("light: {}", light.name);
         let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
         let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
         light.shadows.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
         passes.light.draw(&mut pass, frame.scene, light.shadows.group());
     }
-
+    if let Some((glass_pass, glass)) = frame.glass {
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);
+        let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+        let mut pass = begin(encoder, frame, "glass", Some(color), keep, timer);
+        glass_pass.draw(&mut pass, frame.scene, glass);
+    }
     if let Some((overlay_pass, overlay)) = frame.overlay {
         // Resolved once more, with what it adds.
         let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);

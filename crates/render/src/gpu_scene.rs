@@ -1,10 +1,15 @@
 //! The geometry of a scene on the GPU.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
-use umbrae_core::{Caster, Material};
+use glam::{Vec2, Vec3};
+use rustc_hash::FxHashMap;
+use umbrae_core::{Caster, Material, Role, Texture};
 use wgpu::util::DeviceExt as _;
 
+use crate::gpu_finishes::{Finish, FinishKind, Finishes};
 use crate::{Gpu, GpuError, ShadowCasters};
 
 /// `Vertex` in `surface.wgsl`.
@@ -14,81 +19,170 @@ pub(crate) struct SurfaceVertex {
     position_world: [f32; 3],
     normal_world: [f32; 3],
     color_srgb: [u8; 4],
+    uv: [f32; 2],
 }
 
 impl SurfaceVertex {
     pub(crate) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
         array_stride: size_of::<Self>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4, 3 => Float32x2],
     };
 }
 
-/// A scene on the device: its surfaces, all casters in one buffer, and its volumes.
+/// A scene on the device: its surfaces, all casters in one buffer by finish, and its volumes.
 #[derive(Debug)]
 pub struct GpuScene {
     pub(crate) surface: wgpu::Buffer,
-    pub(crate) surface_vertices: u32,
+    /// Vertices that are drawn with one finish, and its number; without glass, kind by kind.
+    pub(crate) draws: Vec<(Range<u32>, u32)>,
+    pub(crate) finishes: Vec<Finish>,
+    pub(crate) glass: Vec<GlassTriangle>,
     pub(crate) shadow_casters: ShadowCasters,
 }
 
+/// A triangle that is drawn last, in its place from back to front.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GlassTriangle {
+    pub(crate) center: Vec3,
+    /// Of three in [`GpuScene::surface`].
+    pub(crate) first_vertex: u32,
+    /// Its number in [`GpuScene::finishes`].
+    pub(crate) finish: u32,
+}
+
 impl GpuScene {
-    /// Uploads `casters`, which name `materials`. About 84 bytes a triangle and 32 a vertex.
+    /// Uploads `casters`, which name `materials`, which name `textures`. About 108 bytes a triangle and 32 a vertex, and 5.3 a texel.
+    ///
+    /// A caster's role says whether it is glass, and whether its materials' cut-outs are (see [`umbrae_core::Scene::assign_roles`]): it is drawn as
+    /// it casts. A texture with more texels a side than the device has is drawn as a smaller copy.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] when a buffer would be larger than the device allows, [`GpuError::OutOfMemory`].
-    pub fn new(gpu: &Gpu, casters: &[Caster], materials: &[Material]) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        casters: &[Caster],
+        materials: &[Material],
+        textures: &[Arc<Texture>],
+    ) -> Result<Self, GpuError> {
         let triangles: usize = casters.iter().map(|c| c.mesh.triangles().len()).sum();
         gpu.ensure_buffer_fits(triangles * 3 * size_of::<SurfaceVertex>())?;
         let shadow_casters = ShadowCasters::new(gpu, casters)?;
 
-        let mut surface = Vec::with_capacity(triangles * 3);
-        let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
-        for caster in casters {
-            push_surface(caster, materials, &plain, &mut surface);
+        let mut finishes = Finishes::new(gpu, textures);
+        let by_role = finishes_by_role(casters, materials, &mut finishes);
+        let finishes = finishes.finish();
+        let (surface, triangle_ranges) = surface_vertices(casters, materials, &by_role, finishes.len());
+        let mut draws: Vec<(Range<u32>, u32)> = Vec::new();
+        let mut glass = Vec::new();
+        for (triangles, finish) in triangle_ranges.into_iter().zip(0..) {
+            if finishes[finish as usize].kind == FinishKind::Glass {
+                glass.extend(triangles.map(|t| glass_triangle(&surface, t, finish)));
+            } else if !triangles.is_empty() {
+                draws.push((triangles.start * 3..triangles.end * 3, finish));
+            }
         }
-        let buffer = |label, contents| {
-            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage: wgpu::BufferUsages::VERTEX,
-            })
-        };
-        gpu.unless_out_of_memory(Ok(Self {
-            surface_vertices: surface.len() as u32,
-            surface: buffer("surface vertices", bytemuck::cast_slice(&surface)),
-            shadow_casters,
-        }))
+        draws.sort_by_key(|(_, finish)| finishes[*finish as usize].kind);
+        let surface = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("surface vertices"),
+            contents: bytemuck::cast_slice(&surface),
+            usage: wgpu::BufferUsages::VERTEX,
+        });
+        gpu.unless_out_of_memory(Ok(Self { surface, draws, finishes, glass, shadow_casters }))
     }
+}
+
+/// For each role, the finish of each material.
+fn finishes_by_role(
+    casters: &[Caster],
+    materials: &[Material],
+    finishes: &mut Finishes<'_>,
+) -> FxHashMap<Role, Vec<u32>> {
+    let mut by_role = FxHashMap::default();
+    for caster in casters {
+        let of_materials = |_: &Role| materials.iter().map(|material| finishes.number(material, caster.role)).collect();
+        by_role.entry(caster.role).or_insert_with_key(of_materials);
+    }
+    by_role
+}
+
+/// The vertices of all triangles, those of each finish together, and for each finish which triangles are its.
+fn surface_vertices(
+    casters: &[Caster],
+    materials: &[Material],
+    by_role: &FxHashMap<Role, Vec<u32>>,
+    finish_count: usize,
+) -> (Vec<SurfaceVertex>, Vec<Range<u32>>) {
+    // A triangle whose material does not exist is plain, white glass or not.
+    let finish_of = |caster: &Caster, material: u32| {
+        by_role.get(&caster.role).and_then(|finishes| finishes.get(material as usize)).copied().unwrap_or(0) as usize
+    };
+    let mut counts = vec![0; finish_count];
+    for caster in casters {
+        for &material in caster.mesh.triangle_materials() {
+            counts[finish_of(caster, material)] += 1;
+        }
+    }
+    let mut end = 0;
+    let starts = counts.iter().map(|count| {
+        let start = end;
+        end += count;
+        start
+    });
+    let mut ranges: Vec<Range<u32>> = starts.map(|start| start..start).collect();
+
+    let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
+    let mut vertices = vec![SurfaceVertex::zeroed(); end as usize * 3];
+    for caster in casters {
+        for (t, &material) in caster.mesh.triangle_materials().iter().enumerate() {
+            let range = &mut ranges[finish_of(caster, material)];
+            let place = range.end as usize * 3;
+            range.end += 1;
+            vertices[place..place + 3].copy_from_slice(&corner_vertices(caster, t, materials, &plain));
+        }
+    }
+    (vertices, ranges)
 }
 
 /// `plain` has each material's colour as a vertex without one of its own has it.
-fn push_surface(caster: &Caster, materials: &[Material], plain: &[[u8; 4]], vertices: &mut Vec<SurfaceVertex>) {
+fn corner_vertices(caster: &Caster, t: usize, materials: &[Material], plain: &[[u8; 4]]) -> [SurfaceVertex; 3] {
     let mesh = &caster.mesh;
-    for (t, &material) in mesh.triangle_materials().iter().enumerate() {
-        let material = material as usize;
-        let corners = caster.corners(t);
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
-        let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
-        let colors = match mesh.corner_colors().get(t) {
-            None => [plain.get(material).copied().unwrap_or([255; 4]); 3],
-            Some(colors) => {
-                let base = materials.get(material).map_or(Vec3::ONE, |m| m.base_color);
-                colors.map(|color| srgb_from_linear(base * color))
-            }
-        };
-        for (position, color_srgb) in corners.into_iter().zip(colors) {
-            vertices.push(SurfaceVertex { position_world: position.to_array(), normal_world, color_srgb });
+    let material = mesh.triangle_materials()[t] as usize;
+    let corners = caster.corners(t);
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
+    let colors = match mesh.corner_colors().get(t) {
+        None => [plain.get(material).copied().unwrap_or([255; 4]); 3],
+        Some(colors) => {
+            let base = materials.get(material).map_or(Vec3::ONE, |m| m.base_color);
+            colors.map(|color| srgb_from_linear(base * color))
         }
-    }
+    };
+    let uvs = mesh.corner_uvs().get(t).copied().unwrap_or([Vec2::ZERO; 3]);
+    std::array::from_fn(|i| SurfaceVertex {
+        position_world: corners[i].to_array(),
+        normal_world,
+        color_srgb: colors[i],
+        uv: uvs[i].to_array(),
+    })
+}
+
+fn glass_triangle(vertices: &[SurfaceVertex], triangle: u32, finish: u32) -> GlassTriangle {
+    let first_vertex = triangle * 3;
+    let corners = &vertices[first_vertex as usize..][..3];
+    let center = corners.iter().map(|corner| Vec3::from(corner.position_world) / 3.0).sum();
+    GlassTriangle { center, first_vertex, finish }
 }
 
 fn srgb_from_linear(linear: Vec3) -> [u8; 4] {
-    let encode = |c: f32| {
-        let c = c.clamp(0.0, 1.0);
-        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (encoded * 255.0).round() as u8
-    };
-    [encode(linear.x), encode(linear.y), encode(linear.z), 255]
+    let [red, green, blue] = linear.to_array().map(srgb_byte);
+    [red, green, blue, 255]
+}
+
+/// The sRGB encoding of a linear value; what is outside of 0 to 1 becomes the nearest of these.
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
+    let c = linear.clamp(0.0, 1.0);
+    let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
 }

@@ -8,8 +8,10 @@
 mod caps;
 pub mod frame;
 mod gpu;
+mod gpu_finishes;
 mod gpu_scene;
 mod look;
+mod mipmap;
 mod overlay;
 mod passes;
 mod readback;

@@ -3,12 +3,12 @@
 use umbrae_core::{Camera, Caster, Light};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::passes::{GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group};
+use crate::passes::{GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group};
 use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
-use crate::uniforms::View;
+use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowLight, ShadowOptions, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
@@ -19,6 +19,7 @@ pub struct Renderer {
     picture: Passes,
     mask: Passes,
     tally: Tally,
+    glass: GlassPass,
     overlay: OverlayPass,
     tone: TonePass,
     samples: u32,
@@ -87,9 +88,10 @@ impl Renderer {
         // Masks are compared with rays through pixel centres: one sample each, whatever the picture has.
         let mask = passes(Output::Mask, 1);
         let tally = Tally::new(&gpu);
+        let glass = GlassPass::new(&gpu, &layouts, samples);
         let overlay = OverlayPass::new(&gpu, &layouts, samples);
         let tone = TonePass::new(&gpu, &layouts, format);
-        Self { gpu, layouts, picture, mask, tally, overlay, tone, samples, format }
+        Self { gpu, layouts, picture, mask, tally, glass, overlay, tone, samples, format }
     }
 
     /// The device.
@@ -160,10 +162,13 @@ impl Renderer {
             .map(|light| self.prepare_light(&self.picture, shot, &shadow_view, light))
             .collect::<Result<Vec<_>, _>>()?;
         let view = self.view_group(shot.camera, shot.look);
+        let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
+        let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
+        let glass = glass.as_ref().map(|glass| (&self.glass, glass));
         let overlay = shot.overlay.map(|overlay| self.upload_overlay(overlay, shot.camera)).transpose()?;
         let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
         let shadow_view = &shadow_view;
-        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view, lights: &lights, overlay };
+        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view, lights: &lights, glass, overlay };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
@@ -187,6 +192,7 @@ impl Renderer {
             view: &view,
             shadow_view: &shadow_view,
             lights: &lights,
+            glass: None,
             overlay: None,
         };
         frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
@@ -245,6 +251,7 @@ impl Renderer {
             view: &view,
             shadow_view: &shadow_view,
             lights: &lights,
+            glass: None,
             overlay: None,
         };
         frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);

@@ -2,9 +2,14 @@
 
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
+const SURFACE: &str = include_str!("shaders/surface.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "surface", &[VIEW, LIGHT, include_str!("shaders/surface.wgsl")])
+    module(device, "surface", &[VIEW, LIGHT, SURFACE])
+}
+
+pub(crate) fn glass(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "glass", &[VIEW, LIGHT, SURFACE, include_str!("shaders/glass.wgsl")])
 }
 
 pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {

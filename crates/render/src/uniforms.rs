@@ -81,6 +81,34 @@ impl LightUniform {
     }
 }
 
+/// How many lights a uniform buffer of the lowest tier, 16 KiB, holds.
+const LIGHTS_AT_ONCE: usize = 255;
+
+/// `Lights` in `glass.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LightsUniform {
+    count: u32,
+    is_first: u32,
+    unused_a: u32,
+    unused_b: u32,
+    lights: [LightUniform; LIGHTS_AT_ONCE],
+}
+
+impl LightsUniform {
+    /// All of `lights`, in as few as hold them; one even without any.
+    pub(crate) fn of_all(lights: &[LightUniform]) -> Vec<Self> {
+        let count = lights.len().div_ceil(LIGHTS_AT_ONCE).max(1);
+        let chunk = |i: usize| {
+            let some = lights.iter().skip(i * LIGHTS_AT_ONCE).take(LIGHTS_AT_ONCE);
+            let mut chunk = Self { is_first: u32::from(i == 0), count: some.len() as u32, ..Self::zeroed() };
+            chunk.lights.iter_mut().zip(some).for_each(|(to, light)| *to = *light);
+            chunk
+        };
+        (0..count).map(chunk).collect()
+    }
+}
+
 /// `Overlay` in `overlay.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -117,6 +145,8 @@ mod tests {
     use super::*;
     use std::mem::offset_of;
 
+    use crate::gpu_finishes::FinishUniform;
+
     /// Size of the WGSL struct `name`, and for each member its name and offset.
     fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
         let module = naga::front::wgsl::parse_str(source).expect("valid WGSL");
@@ -143,6 +173,18 @@ mod tests {
     }
 
     #[test]
+    fn overlay_has_the_same_bytes_in_rust_and_wgsl() {
+        // naga wants every name known, so the part before comes along.
+        let source = concat!(include_str!("shaders/view.wgsl"), include_str!("shaders/overlay.wgsl"));
+        assert_same_layout!(
+            OverlayUniform,
+            source,
+            "Overlay",
+            [size_px, half_width_px, hidden_opacity, lift, unused_0, unused_1, unused_2]
+        );
+    }
+
+    #[test]
     fn view_has_the_same_bytes_in_rust_and_wgsl() {
         assert_same_layout!(
             View,
@@ -165,18 +207,6 @@ mod tests {
     }
 
     #[test]
-    fn overlay_has_the_same_bytes_in_rust_and_wgsl() {
-        // naga wants every name known, so the part before comes along.
-        let source = concat!(include_str!("shaders/view.wgsl"), include_str!("shaders/overlay.wgsl"));
-        assert_same_layout!(
-            OverlayUniform,
-            source,
-            "Overlay",
-            [size_px, half_width_px, hidden_opacity, lift, unused_0, unused_1, unused_2]
-        );
-    }
-
-    #[test]
     fn light_has_the_same_bytes_in_rust_and_wgsl() {
         assert_same_layout!(
             LightUniform,
@@ -184,5 +214,34 @@ mod tests {
             "Light",
             [position_world, strength, range_m, axis_world, cos_outer, sin_outer, cos_inner, unused_a, unused_b]
         );
+    }
+    #[test]
+    fn finish_and_lights_have_the_same_bytes_in_rust_and_wgsl() {
+        let surface = [
+            include_str!("shaders/view.wgsl"),
+            include_str!("shaders/light.wgsl"),
+            include_str!("shaders/surface.wgsl"),
+            include_str!("shaders/glass.wgsl"),
+        ]
+        .concat();
+        let (span, members) = wgsl_layout(&surface, "Finish");
+        assert_eq!(span, size_of::<FinishUniform>());
+        let names: Vec<&str> = members.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["alpha", "cutoff", "least_coverage", "unused"]);
+        assert_same_layout!(LightsUniform, &surface, "Lights", [count, is_first, unused_a, unused_b, lights]);
+        assert!(size_of::<LightsUniform>() <= 16 << 10, "WebGL2 has uniform buffers of 16 KiB");
+    }
+
+    #[test]
+    fn every_light_is_in_one_of_the_uniforms() {
+        let light = |i: usize| LightUniform { range_m: i as f32, ..LightUniform::zeroed() };
+        for (count, expected) in [(0, vec![0]), (255, vec![255]), (256, vec![255, 1])] {
+            let lights: Vec<LightUniform> = (0..count).map(light).collect();
+            let chunks = LightsUniform::of_all(&lights);
+            assert_eq!(chunks.iter().map(|chunk| chunk.count as usize).collect::<Vec<_>>(), expected);
+            assert_eq!(chunks.iter().map(|chunk| chunk.is_first).sum::<u32>(), 1);
+            let found = chunks.iter().flat_map(|chunk| &chunk.lights[..chunk.count as usize]);
+            assert!(found.zip(&lights).all(|(found, light)| found.range_m == light.range_m));
+        }
     }
 }

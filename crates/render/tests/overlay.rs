@@ -33,7 +33,7 @@ impl Stage {
         let casters = Caster::of_scene(&scene);
         let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()));
         let renderer = Renderer::new(gpu.expect("tests need a graphics driver: run scripts/setup.sh"), samples);
-        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).expect("a small scene");
+        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &[]).expect("a small scene");
         let camera = Camera::new(DVec3::new(6.0, -7.0, 4.0), DVec3::ONE, 0.7, 0.5, SIZE_PX).expect("a good camera");
         let lights = vec![Light::new("sun", LightPosition::sun(2.0, 0.8), Vec3::ONE)];
         let look = Look::for_model(&scene.bounds(), &lights);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Output, Renderer, ShadowOptions, Shot, Targets};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Output, Renderer, Shot, Targets};
 
 const SIZE_PX: [u32; 2] = [64, 48];
 
@@ -33,14 +33,13 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
     let look = Look::for_model(&scene.bounds(), &lights);
 
     let headless = Renderer::new(gpu(), 4);
-    let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials).expect("a small scene");
-    let shadows = ShadowOptions::default();
+    let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials, &scene.textures).expect("a small scene");
     let shot = Shot {
         scene: &uploaded,
         casters: &casters,
         camera: &camera,
         lights: &lights,
-        shadows,
+        shadows: Method::Auto.into(),
         look: &look,
         overlay: None,
     };
@@ -59,17 +58,9 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    let uploaded = GpuScene::new(gpu, &casters, &scene.materials).expect("a small scene");
+    let uploaded = GpuScene::new(gpu, &casters, &scene.materials, &scene.textures).expect("a small scene");
     let targets = Targets::new(gpu, Output::Picture, SIZE_PX, 4).expect("a small picture");
-    let shot = Shot {
-        scene: &uploaded,
-        casters: &casters,
-        camera: &camera,
-        lights: &lights,
-        shadows,
-        look: &look,
-        overlay: None,
-    };
+    let shot = Shot { scene: &uploaded, ..shot };
     let to = own.create_view(&wgpu::TextureViewDescriptor::default());
     windowed.draw(&shot, &targets, &to).expect("a small scene");
 

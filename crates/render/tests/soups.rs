@@ -68,7 +68,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
     for number in 0..40 {
         let scene = soup(&mut random);
         let casters = Caster::of_scene(&scene);
-        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials).unwrap();
+        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let camera = Camera::new(random.point(3.0), random.point(1.0), 1.2, 0.05, [160, 120]).unwrap();
         let oracle = Oracle::new(&casters);
         let corners = casters[0].corners(0).map(Vec3::as_dvec3);
@@ -79,8 +79,8 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
             LightPosition::point(in_plane),
             LightPosition::directional(random.point(1.0)).unwrap(),
         ]
-        .map(|position| Light::new("light", position.rounded_to_f32(), Vec3::ONE));
-        let judged = oracle.judge(&camera, &lights.each_ref().map(|l| l.position), || ());
+        .map(|position| Light::new("light", position, Vec3::ONE));
+        let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             let mut first: Option<Vec<u8>> = None;
             for (rule, shadows) in all_options() {

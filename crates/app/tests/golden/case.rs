@@ -154,7 +154,7 @@ impl Case {
 
         let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: None, is_software: true }))?;
         let renderer = Renderer::new(gpu, self.samples);
-        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials)?;
+        let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
         let shadows = ShadowOptions::default();
         let shot = Shot {
             scene: &gpu_scene,

@@ -90,7 +90,7 @@ fn hits(caster: &RayCaster, origin: DVec3, direction: DVec3) -> Vec<Hit> {
     hits
 }
 
-/// Compares all three searches with a plain loop over all triangles.
+/// Compares all searches with a plain loop over all triangles.
 fn compare_with_brute_force(parts: &[Triangles], origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> usize {
     let caster = RayCaster::new(parts.iter().map(|(p, t)| (&p[..], &t[..])));
     let ray = Ray::new(origin, direction).expect("a good ray");
@@ -107,6 +107,19 @@ fn compare_with_brute_force(parts: &[Triangles], origin: DVec3, direction: DVec3
     assert_eq!(caster.first_hit(origin, direction, t_min, t_max), first);
     let is_hit = expected.iter().any(|hit| t_min < hit.t && hit.t < t_max);
     assert_eq!(caster.is_hit(origin, direction, t_min, t_max), is_hit);
+    let is_odd = |hit: &Hit| hit.triangle % 2 == 1;
+    let first_odd = expected.iter().copied().filter(is_odd).reduce(|a, b| if b.t < a.t { b } else { a });
+    assert_eq!(caster.first_hit_where(origin, direction, t_min, t_max, is_odd), first_odd);
+    let any_odd = caster.any_hit_where(origin, direction, t_min, t_max, None, is_odd);
+    assert!(
+        any_odd.is_none_or(|hit| is_odd(&hit) && expected.contains(&hit)) && any_odd.is_some() == first_odd.is_some()
+    );
+    // Wanted or not, a guess changes nothing but what is found first.
+    for guess in expected.first().into_iter().chain(&first_odd) {
+        assert_eq!(caster.hit_on(guess, origin, direction), Some(*guess));
+        let found = caster.any_hit_where(origin, direction, t_min, t_max, Some(guess), is_odd);
+        assert!(if is_odd(guess) { found == Some(*guess) } else { found == any_odd });
+    }
     let mut found = Vec::new();
     caster.for_each_hit(origin, direction, t_min, t_max, |hit| found.push(hit));
     found.sort_by_key(|hit| (hit.part, hit.triangle));

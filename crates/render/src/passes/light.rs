@@ -1,7 +1,7 @@
 //! One light: marking what it would brighten, and adding it where nothing shades it.
 
 use super::Layouts;
-use super::surface::{SurfaceState, draw_surface, surface_pipeline};
+use super::surface::{SurfacePipelines, SurfaceState};
 use crate::targets::Output;
 use crate::{Gpu, GpuScene, LIT};
 
@@ -13,8 +13,8 @@ use crate::{Gpu, GpuScene, LIT};
 /// - needs: the depth of exactly these surfaces, drawn by the same vertex shader
 #[derive(Debug)]
 pub(crate) struct LightPass {
-    light: wgpu::RenderPipeline,
-    mark: wgpu::RenderPipeline,
+    light: SurfacePipelines,
+    mark: SurfacePipelines,
 }
 
 impl LightPass {
@@ -37,13 +37,13 @@ impl LightPass {
             stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask },
             bias: wgpu::DepthBiasState::default(),
         };
-        let light = surface_pipeline(
+        let light = SurfacePipelines::new(
             gpu,
             Some(output),
             samples,
             &SurfaceState {
                 label: "light",
-                layout: &layouts.view_and_light,
+                layout: &layouts.view_light_and_finish,
                 entry_point,
                 blend,
                 depth_stencil: depth_stencil(unshaded, 0),
@@ -54,13 +54,13 @@ impl LightPass {
             pass_op: wgpu::StencilOperation::Replace,
             ..wgpu::StencilFaceState::IGNORE
         };
-        let mark = surface_pipeline(
+        let mark = SurfacePipelines::new(
             gpu,
             None,
             samples,
             &SurfaceState {
                 label: "mark of receivers",
-                layout: &layouts.view_and_light,
+                layout: &layouts.view_light_and_finish,
                 entry_point: "fs_mark",
                 blend: None,
                 depth_stencil: depth_stencil(set, 0xFF),
@@ -80,14 +80,13 @@ impl LightPass {
 
     fn draw_with(
         &self,
-        pipeline: &wgpu::RenderPipeline,
+        pipelines: &SurfacePipelines,
         pass: &mut wgpu::RenderPass<'_>,
         scene: &GpuScene,
         light: &wgpu::BindGroup,
     ) {
-        pass.set_pipeline(pipeline);
         pass.set_stencil_reference(LIT);
         pass.set_bind_group(1, light, &[]);
-        draw_surface(pass, scene);
+        pipelines.draw(pass, scene);
     }
 }

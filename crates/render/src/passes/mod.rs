@@ -1,37 +1,45 @@
 //! The passes. Each owns its pipelines: `new` compiles, `draw` records.
 
+mod glass;
 mod light;
 mod overlay;
 mod surface;
 mod tone;
 
+pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::LightPass;
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
 
-use crate::{Gpu, uniforms};
+use crate::{Gpu, gpu_finishes, uniforms};
 
-/// The two groups that most passes share: 0 the view, 1 the light.
+/// The groups that passes share: 0 the view, 1 the light, 2 the finish of surfaces.
 #[derive(Debug)]
 pub(crate) struct Layouts {
     pub(crate) view: wgpu::BindGroupLayout,
     pub(crate) light: wgpu::BindGroupLayout,
-    pub(crate) view_only: wgpu::PipelineLayout,
     pub(crate) view_and_light: wgpu::PipelineLayout,
+    /// Surfaces without a light.
+    pub(crate) view_and_finish: wgpu::PipelineLayout,
+    /// Surfaces with one.
+    pub(crate) view_light_and_finish: wgpu::PipelineLayout,
 }
 
 impl Layouts {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let view = uniform_layout(gpu, "view", size_of::<uniforms::View>());
         let light = uniform_layout(gpu, "light", size_of::<uniforms::LightUniform>());
-        let view_only = pipeline_layout(gpu, "view only", &[&view]);
-        let view_and_light = pipeline_layout(gpu, "view and light", &[&view, &light]);
-        Self { view, light, view_only, view_and_light }
+        let finish = gpu_finishes::layout(gpu);
+        let view_and_light = pipeline_layout(gpu, "view and light", &[Some(&view), Some(&light)]);
+        let view_and_finish = pipeline_layout(gpu, "view and finish", &[Some(&view), None, Some(&finish)]);
+        let view_light_and_finish =
+            pipeline_layout(gpu, "view, light and finish", &[Some(&view), Some(&light), Some(&finish)]);
+        Self { view, light, view_and_light, view_and_finish, view_light_and_finish }
     }
 }
 
-fn uniform_layout(gpu: &Gpu, label: &str, size: usize) -> wgpu::BindGroupLayout {
+pub(crate) fn uniform_layout(gpu: &Gpu, label: &str, size: usize) -> wgpu::BindGroupLayout {
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some(label),
         entries: &[wgpu::BindGroupLayoutEntry {
@@ -47,11 +55,14 @@ fn uniform_layout(gpu: &Gpu, label: &str, size: usize) -> wgpu::BindGroupLayout 
     })
 }
 
-pub(crate) fn pipeline_layout(gpu: &Gpu, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
-    let groups: Vec<_> = groups.iter().copied().map(Some).collect();
+pub(crate) fn pipeline_layout(
+    gpu: &Gpu,
+    label: &str,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::PipelineLayout {
     gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
-        bind_group_layouts: &groups,
+        bind_group_layouts: groups,
         immediate_size: 0,
     })
 }

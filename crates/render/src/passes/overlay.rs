@@ -46,7 +46,7 @@ const LINE_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout 
 impl OverlayPass {
     pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, samples: u32) -> Self {
         let layout = uniform_layout(gpu, "overlay", size_of::<OverlayUniform>());
-        let pipeline_layout = pipeline_layout(gpu, "view and overlay", &[&layouts.view, &layout]);
+        let pipeline_layout = pipeline_layout(gpu, "view and overlay", &[Some(&layouts.view), Some(&layout)]);
         let module = shaders::overlay(&gpu.device);
         let pipeline = |label, [vertex, fragment]: [&str; 2], buffer, depth_compare| {
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

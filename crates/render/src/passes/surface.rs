@@ -1,18 +1,19 @@
 //! Depth and ambient light.
 
 use super::{BOTH_SIDES, Layouts};
+use crate::gpu_finishes::FinishKind;
 use crate::gpu_scene::SurfaceVertex;
 use crate::targets::Output;
 use crate::{Gpu, GpuScene, shaders};
 
-/// Every opaque triangle, both sides: nearest depth, and the light that comes from everywhere.
+/// Every opaque triangle, both sides, but for what is cut out: nearest depth, and the light that comes from everywhere.
 ///
 /// - reads: nothing
 /// - writes: colour and depth, which must be clear
 /// - needs: reversed depth
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
-    pipeline: wgpu::RenderPipeline,
+    pipelines: SurfacePipelines,
 }
 
 impl SurfacePass {
@@ -21,13 +22,13 @@ impl SurfacePass {
             Output::Picture => "fs_ambient",
             Output::Mask => "fs_dark_mask",
         };
-        let pipeline = surface_pipeline(
+        let pipelines = SurfacePipelines::new(
             gpu,
             Some(output),
             samples,
             &SurfaceState {
                 label: "surface",
-                layout: &layouts.view_only,
+                layout: &layouts.view_and_finish,
                 entry_point,
                 blend: None,
                 depth_stencil: wgpu::DepthStencilState {
@@ -39,16 +40,15 @@ impl SurfacePass {
                 },
             },
         );
-        Self { pipeline }
+        Self { pipelines }
     }
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene) {
-        pass.set_pipeline(&self.pipeline);
-        draw_surface(pass, scene);
+        self.pipelines.draw(pass, scene);
     }
 }
 
-/// In what the two passes over the surfaces differ.
+/// In what the passes over the surfaces differ.
 pub(super) struct SurfaceState<'a> {
     pub(super) label: &'a str,
     pub(super) layout: &'a wgpu::PipelineLayout,
@@ -57,41 +57,80 @@ pub(super) struct SurfaceState<'a> {
     pub(super) depth_stencil: wgpu::DepthStencilState,
 }
 
-/// Without an `output` there is no colour, only depth and stencil.
+/// One way of drawing surfaces: a pipeline for each finish that is not glass.
+#[derive(Debug)]
+pub(super) struct SurfacePipelines {
+    plain: wgpu::RenderPipeline,
+    /// `None` where colour is not asked for.
+    textured: Option<wgpu::RenderPipeline>,
+    cut_out: wgpu::RenderPipeline,
+}
+
+impl SurfacePipelines {
+    /// Without an `output` there is no colour, only depth and stencil.
+    pub(super) fn new(gpu: &Gpu, output: Option<Output>, samples: u32, state: &SurfaceState<'_>) -> Self {
+        let module = shaders::surface(&gpu.device);
+        let pipeline = |kind| surface_pipeline(gpu, &module, output, samples, state, kind);
+        let has_look = output == Some(Output::Picture);
+        Self {
+            plain: pipeline(FinishKind::Plain),
+            textured: has_look.then(|| pipeline(FinishKind::Textured)),
+            cut_out: pipeline(FinishKind::CutOut),
+        }
+    }
+
+    /// Draws everything but glass.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene) {
+        pass.set_vertex_buffer(0, scene.surface.slice(..));
+        for (vertices, finish) in &scene.draws {
+            let finish = &scene.finishes[*finish as usize];
+            let pipeline = match finish.kind {
+                FinishKind::Plain => &self.plain,
+                FinishKind::Textured => self.textured.as_ref().unwrap_or(&self.plain),
+                FinishKind::CutOut => &self.cut_out,
+                FinishKind::Glass => continue,
+            };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(2, &finish.group, &[]);
+            pass.draw(vertices.clone(), 0..1);
+        }
+    }
+}
+
 pub(super) fn surface_pipeline(
     gpu: &Gpu,
+    module: &wgpu::ShaderModule,
     output: Option<Output>,
     samples: u32,
     state: &SurfaceState<'_>,
+    kind: FinishKind,
 ) -> wgpu::RenderPipeline {
-    let module = shaders::surface(&gpu.device);
     let color = output.map(|output| {
         Some(wgpu::ColorTargetState { format: output.format(), blend: state.blend, write_mask: wgpu::ColorWrites::ALL })
     });
+    let is = |condition: bool| f64::from(u8::from(condition));
+    let constants = [("has_texture", is(kind != FinishKind::Plain)), ("has_cut_outs", is(kind >= FinishKind::CutOut))];
+    let compilation_options =
+        wgpu::PipelineCompilationOptions { constants: &constants, ..wgpu::PipelineCompilationOptions::default() };
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(state.label),
         layout: Some(state.layout),
         vertex: wgpu::VertexState {
-            module: &module,
+            module,
             entry_point: Some("vs_surface"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: compilation_options.clone(),
             buffers: &[Some(SurfaceVertex::LAYOUT)],
         },
         primitive: BOTH_SIDES,
         depth_stencil: Some(state.depth_stencil.clone()),
         multisample: wgpu::MultisampleState { count: samples, ..wgpu::MultisampleState::default() },
         fragment: Some(wgpu::FragmentState {
-            module: &module,
+            module,
             entry_point: Some(state.entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options,
             targets: color.as_slice(),
         }),
         multiview_mask: None,
         cache: None,
     })
-}
-
-pub(super) fn draw_surface(pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene) {
-    pass.set_vertex_buffer(0, scene.surface.slice(..));
-    pass.draw(0..scene.surface_vertices, 0..1);
 }

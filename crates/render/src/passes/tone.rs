@@ -34,7 +34,7 @@ impl TonePass {
         let module = shaders::tone(&gpu.device);
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("tone"),
-            layout: Some(&pipeline_layout(gpu, "view and radiance", &[&layouts.view, &layout])),
+            layout: Some(&pipeline_layout(gpu, "view and radiance", &[Some(&layouts.view), Some(&layout)])),
             vertex: wgpu::VertexState {
                 module: &module,
                 entry_point: Some("vs_tone"),

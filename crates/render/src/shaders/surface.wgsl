@@ -1,11 +1,31 @@
-// The opaque surfaces, from both sides: once with depth and ambient light, then once for each light.
+// The surfaces, from both sides: once with depth and ambient light, then once for each light.
 // Entry points ending in `_mask` draw the verdict instead of the look. Needs view.wgsl and light.wgsl.
+
+// What is false costs nothing: each pipeline has its own.
+override has_texture: bool = true;
+override has_cut_outs: bool = true;
+
+struct Finish {
+    // Multiplies the texture's.
+    alpha: f32,
+    // Where alpha is below it, there is no surface.
+    cutoff: f32,
+    // How much of what is behind is covered at least: 1 for all but glass.
+    least_coverage: f32,
+    unused: f32,
+}
+
+// White where the material has no texture.
+@group(2) @binding(0) var base_color: texture_2d<f32>;
+@group(2) @binding(1) var base_color_sampler: sampler;
+@group(2) @binding(2) var<uniform> finish: Finish;
 
 struct Vertex {
     @location(0) position_world: vec3f,
     // Unit length, the same at all three corners: shadows are exact for flat triangles.
     @location(1) normal_world: vec3f,
     @location(2) color_srgb: vec4f,
+    @location(3) uv: vec2f,
 }
 
 struct Fragment {
@@ -16,6 +36,7 @@ struct Fragment {
     // One corner of the triangle, as it is: which side of the plane the eye and the light are on must not depend on how a
     // device interpolates positions over a triangle as large as the ground.
     @location(3) @interpolate(flat) corner_world: vec3f,
+    @location(4) uv: vec2f,
 }
 
 @vertex
@@ -26,6 +47,7 @@ fn vs_surface(vertex: Vertex) -> Fragment {
     out.normal_world = vertex.normal_world;
     out.corner_world = vertex.position_world;
     out.color = linear_from_srgb(vertex.color_srgb.rgb);
+    out.uv = vertex.uv;
     return out;
 }
 
@@ -45,15 +67,41 @@ fn presence(fragment: Fragment) -> f32 {
     return 1.0 - smoothstep(view.fade_start, view.fade_end, d);
 }
 
-@fragment
-fn fs_ambient(fragment: Fragment) -> @location(0) vec4f {
+// The colour of the surface; before any `discard`, because it looks at its neighbours.
+fn color_of(fragment: Fragment) -> vec4f {
+    if !has_texture {
+        return vec4f(fragment.color, 1.0);
+    }
+    return vec4f(fragment.color, 1.0) * textureSample(base_color, base_color_sampler, fragment.uv);
+}
+
+// Whether there is no surface here. Always by the largest copy of the texture, so that it does not depend on the distance, and a CPU can tell too.
+fn is_cut_out(fragment: Fragment) -> bool {
+    if !has_cut_outs {
+        return false;
+    }
+    let alpha = finish.alpha * textureSampleLevel(base_color, base_color_sampler, fragment.uv, 0.0).a;
+    return alpha < finish.cutoff;
+}
+
+// The light that comes from everywhere, for white.
+fn ambient(fragment: Fragment) -> vec3f {
     let n = seen_normal(fragment);
     let to_eye = normalize(view.eye_world - fragment.position_world);
     // Sky from above, reflected ground from below, and a little from the eye's side so that no two faces merge.
     let hemisphere = mix(vec3f(0.150, 0.140, 0.130), vec3f(0.270, 0.305, 0.360), 0.5 + 0.5 * n.z);
     let fill = 0.10 * max(dot(n, to_eye), 0.0);
+    return hemisphere + fill;
+}
+
+@fragment
+fn fs_ambient(fragment: Fragment) -> @location(0) vec4f {
+    let color = color_of(fragment).rgb;
+    if is_cut_out(fragment) {
+        discard;
+    }
     let here = presence(fragment);
-    return vec4f(fragment.color * (hemisphere + fill) * here, here);
+    return vec4f(color * ambient(fragment) * here, here);
 }
 
 // Whether the light gives anything to the side that is seen, if nothing is between: turned to it, in its range and in its cone.
@@ -75,29 +123,33 @@ fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
 
 @fragment
 fn fs_light(fragment: Fragment) -> @location(0) vec4f {
-    if !gives_light(fragment) {
+    let color = color_of(fragment).rgb;
+    if is_cut_out(fragment) || !gives_light(fragment) {
         discard;
     }
-    let radiance = fragment.color * irradiance(light, fragment) * (view.exposure * presence(fragment));
+    let radiance = color * irradiance(light, fragment) * (view.exposure * presence(fragment));
     return vec4f(radiance, 0.0);
 }
 
 // Draws nothing where the light gives nothing: for marking, in the stencil, the surfaces whose shadows matter.
 @fragment
 fn fs_mark(fragment: Fragment) {
-    if !gives_light(fragment) {
+    if is_cut_out(fragment) || !gives_light(fragment) {
         discard;
     }
 }
 
 @fragment
 fn fs_dark_mask(fragment: Fragment) -> @location(0) vec4f {
+    if is_cut_out(fragment) {
+        discard;
+    }
     return vec4f(0.0);
 }
 
 @fragment
 fn fs_lit_mask(fragment: Fragment) -> @location(0) vec4f {
-    if !gives_light(fragment) {
+    if is_cut_out(fragment) || !gives_light(fragment) {
         discard;
     }
     return vec4f(1.0);

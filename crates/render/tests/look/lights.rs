@@ -1,74 +1,28 @@
 //! What lights reach, against closed forms.
 
-use std::sync::Arc;
-
-use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Camera, Caster, Cone, Light, LightPosition, Material, Mesh, Object, Scene, Surface};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, ShadowOptions, Shot};
-
-const SIZE_PX: [u32; 2] = [120, 120];
+use crate::level::{Above, Level, SIDE_PX, place};
+use glam::{DVec3, Vec3};
+use umbrae_core::{Cone, Light, LightPosition};
 
 /// A level floor of 10 m by 10 m, seen from straight above; a pixel is 1 / 12 m.
 struct Floor {
-    renderer: Renderer,
-    casters: Vec<Caster>,
-    uploaded: GpuScene,
-    camera: Camera,
+    above: Above,
+    floor: Level,
 }
 
 impl Floor {
     fn new() -> Self {
-        let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
-            .expect("tests need a graphics driver: run scripts/setup.sh");
-        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0) * 5.0;
-        let surface = Surface {
-            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Surface::default()
-        };
-        let mesh = Mesh::new(surface).expect("a square");
-        let scene = Scene {
-            objects: vec![Object::new("floor", Arc::new(mesh), DAffine3::IDENTITY)],
-            materials: vec![Material::new("grey", Vec3::splat(0.5))],
-            ..Scene::default()
-        };
-        let casters = Caster::of_scene(&scene);
-        let uploaded = GpuScene::new(&gpu, &casters, &scene.materials).expect("a small scene");
-        let fov_rad = 2.0 * 0.5_f64.atan();
-        let eye = DVec3::Z * 10.0;
-        let camera = Camera::with_up(eye, DVec3::ZERO, DVec3::Y, fov_rad, 1.0, SIZE_PX).expect("a good camera");
-        Self { renderer: Renderer::new(gpu, 1), casters, uploaded, camera }
+        Self { above: Above::new(1), floor: Level::plain(Vec3::splat(0.5)) }
     }
 
     fn mask(&self, light: &Light) -> Vec<u8> {
-        pollster::block_on(self.renderer.mask(&self.shot(&[]), light)).expect("a mask").verdicts
+        self.above.mask(&self.floor, light)
     }
 
     /// The red of each pixel.
     fn picture(&self, light: &Light) -> Vec<u8> {
-        let lights = [light.clone()];
-        let drawn = pollster::block_on(self.renderer.picture(&self.shot(&lights))).expect("a picture");
-        drawn.rgba.chunks_exact(4).map(|pixel| pixel[0]).collect()
+        self.above.picture(&self.floor, std::slice::from_ref(light)).iter().map(|pixel| pixel[0]).collect()
     }
-
-    fn shot<'a>(&'a self, lights: &'a [Light]) -> Shot<'a> {
-        let shadows = ShadowOptions::default();
-        Shot {
-            scene: &self.uploaded,
-            casters: &self.casters,
-            camera: &self.camera,
-            lights,
-            shadows,
-            look: &Look::NONE,
-            overlay: None,
-        }
-    }
-}
-
-/// Where on the floor the centre of a pixel is.
-fn place(pixel: usize) -> DVec3 {
-    let (x, y) = (pixel % SIZE_PX[0] as usize, pixel / SIZE_PX[0] as usize);
-    DVec3::new((x as f64 + 0.5) / 12.0 - 5.0, 5.0 - (y as f64 + 0.5) / 12.0, 0.0)
 }
 
 fn lamp(height_m: f64) -> Light {
@@ -127,7 +81,7 @@ fn a_sun_has_neither_range_nor_cone() {
 #[test]
 fn range_and_cone_take_away_what_gltf_says() {
     let floor = Floor::new();
-    let middle = (SIZE_PX[0] * SIZE_PX[1] / 2 + SIZE_PX[0] / 2) as usize;
+    let middle = SIDE_PX * SIDE_PX / 2 + SIDE_PX / 2;
     let from_lamp = place(middle) - DVec3::Z * 2.0;
     let share_of = |light: &Light, share: f64| {
         let weaker = Light { strength: light.strength * share as f32, cone: None, range_m: None, ..light.clone() };
