@@ -46,7 +46,7 @@ pub(crate) struct FrameLight {
 
 /// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: usize) -> u32 {
-    3 + 2 * lights as u32
+    4 + 2 * lights as u32
 }
 
 /// Records everything but the tone mapping.

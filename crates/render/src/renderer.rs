@@ -3,9 +3,7 @@
 use umbrae_core::{Camera, Caster, Light};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::passes::{
-    GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group,
-};
+use crate::passes::{GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group};
 use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
