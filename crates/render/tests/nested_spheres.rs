@@ -140,10 +140,13 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp)).unwrap();
                 // From the eye, only what is between it and the pixel is counted.
                 let missed = if method == Method::ZPass { volumes as i32 } else { 0 };
-                let what = format!("{ball_count} balls in one object: {is_one_object}, the eye in {volumes}, {method:?}");
+                let what =
+                    format!("{ball_count} balls in one object: {is_one_object}, the eye in {volumes}, {method:?}");
                 let mut seen = [0; RADII.len() + 1];
                 for (pixel, point) in points.iter().enumerate() {
-                    let Some(expected) = point.and_then(|point| balls_between(ball_count, LAMP, point)) else { continue };
+                    let Some(expected) = point.and_then(|point| balls_between(ball_count, LAMP, point)) else {
+                        continue;
+                    };
                     assert_eq!(counts[pixel], expected - missed, "{what}, {point:?}");
                     let is_lit = mask.verdicts[pixel] == 255;
                     assert_eq!(is_lit, expected == missed, "{what}, {point:?}");
