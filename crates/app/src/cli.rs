@@ -1,6 +1,7 @@
 //! What can be asked for. Parsing does nothing but parse.
 
 mod light;
+mod shadow;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -12,12 +13,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 
-use crate::cast::Pattern;
+use crate::model::Moment;
 use crate::output::write_to_stdout;
-use crate::parse::{fov_deg, metres, picture_size, xyz};
+use crate::parse::{fov_deg, metres, picture_size, seconds, xyz};
 use crate::sample::Sample;
+use crate::show::Mode;
 
 pub use self::light::LightArgs;
+pub use self::shadow::{LightMark, Method, ShadowArgs};
 
 /// Exact shadows of real models
 ///
@@ -90,17 +93,6 @@ pub enum Up {
     Z,
 }
 
-/// How volumes are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// z-pass where it is safe, z-fail where it is needed: always right
-    Auto,
-    /// z-pass for all: fast, and wrong where the eye is in shadow
-    Zpass,
-    /// z-fail for all: always right
-    Zfail,
-}
-
 /// Draw models with exact shadows
 ///
 /// Without options: a three-quarter view that frames the model, an afternoon sun (or the model's own lights), and a ground plane just
@@ -114,6 +106,14 @@ pub struct RenderArgs {
     /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,
+
+    /// Show animated models as they are this long after the beginning; after its last key an animation stands still (default: at rest)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    pub time: Option<f64>,
+
+    /// The animation to play, by the name that `umbrae inspect` shows (default: all that move different things, else the first)
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub animation: Option<String>,
 
     /// Picture to write (PNG; default: the first model's name with .png, in the current folder)
     #[arg(long, short, value_name = "FILE", help_heading = "Files to write")]
@@ -170,6 +170,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target"], help_heading = "View")]
     pub camera: Option<String>,
 
+    /// Show how the shadows were determined, with a legend
+    #[arg(long, value_name = "WHAT", help_heading = "View")]
+    pub show: Option<Mode>,
+
+    /// The light about which --show is, by the name that the report gives (default: the first; of volumes and silhouettes, the first four)
+    #[arg(long, value_name = "NAME", requires = "show", help_heading = "View")]
+    pub show_light: Option<String>,
+
     /// Draw no ground plane
     #[arg(long, help_heading = "View")]
     pub no_ground: bool,
@@ -194,22 +202,9 @@ pub struct RenderArgs {
     )]
     pub area_radius: Option<f64>,
 
-    /// Only these cast shadows: names of objects or materials, separated by commas, in which * stands for anything and ? for one
-    /// character; `umbrae inspect` lists them, and the ground is an object `ground`
-    #[arg(long, value_name = "PATTERNS", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Shadows")]
-    pub cast: Vec<Pattern>,
-
-    /// These cast no shadow, even if --cast names them
-    #[arg(long, value_name = "PATTERNS", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Shadows")]
-    pub no_cast: Vec<Pattern>,
-
-    /// Let glass (what glTF calls alpha mode BLEND) cast like anything else
-    #[arg(long, help_heading = "Shadows")]
-    pub glass_casts: bool,
-
-    /// How shadow volumes are counted
-    #[arg(long, default_value = "auto", help_heading = "Shadows")]
-    pub method: Method,
+    /// How shadows are determined.
+    #[command(flatten)]
+    pub shadows: ShadowArgs,
 
     /// Use the graphics adapter whose line in `umbrae doctor` contains NAME
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
@@ -262,6 +257,11 @@ pub struct SampleArgs {
 }
 
 impl RenderArgs {
+    /// The moment to show; `None` at rest.
+    pub fn moment(&self) -> Option<Moment> {
+        self.time.map(|time_s| Moment { time_s, animation: self.animation.clone() })
+    }
+
     /// Where the picture goes.
     pub fn picture_path(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| {
@@ -271,28 +271,11 @@ impl RenderArgs {
     }
 }
 
-impl RenderArgs {
-    /// How shadows are to be determined.
-    pub fn shadow_options(&self) -> umbrae_render::ShadowOptions {
-        umbrae_render::ShadowOptions::from(umbrae_render::Method::from(self.method))
-    }
-}
-
 impl From<Up> for umbrae_formats::UpAxis {
     fn from(up: Up) -> Self {
         match up {
             Up::Y => Self::Y,
             Up::Z => Self::Z,
-        }
-    }
-}
-
-impl From<Method> for umbrae_render::Method {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Auto => Self::Auto,
-            Method::Zpass => Self::ZPass,
-            Method::Zfail => Self::ZFail,
         }
     }
 }

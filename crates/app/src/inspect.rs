@@ -26,6 +26,7 @@ pub struct Inspection {
     #[serde(flatten)]
     total: Counts,
     objects: Vec<ObjectJson>,
+    animations: Vec<AnimationJson>,
     cameras: Vec<String>,
     lights: Vec<String>,
     /// For each light, its kind and its reach, in words.
@@ -75,6 +76,13 @@ pub struct Components {
 pub struct BoundsJson {
     min: [f64; 3],
     max: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct AnimationJson {
+    name: String,
+    /// The time of its last key.
+    duration_s: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -137,6 +145,9 @@ impl Inspection {
             origin: origin.to_array(),
             total,
             objects,
+            animations: (model.animations.iter())
+                .map(|animation| AnimationJson { name: animation.name.to_owned(), duration_s: animation.duration_s })
+                .collect(),
             cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
             lights: scene.lights.iter().map(|l| l.name.clone()).collect(),
             light_texts: scene.lights.iter().map(light_text).collect(),
@@ -155,7 +166,9 @@ impl Inspection {
         if self.origin != [0.0; 3] {
             let _ = writeln!(text, "  origin                 {:?}", self.origin);
         }
-        for (what, names) in [("camera", &self.cameras), ("light", &self.light_texts)] {
+        let animation_text = |a: &AnimationJson| format!("{}: {:.3} s", a.name, a.duration_s);
+        let animations = self.animations.iter().map(animation_text).collect();
+        for (what, names) in [("animation", &animations), ("camera", &self.cameras), ("light", &self.light_texts)] {
             for name in names {
                 let _ = writeln!(text, "  {what:<22} {}", printable(name));
             }

@@ -2,7 +2,7 @@
 //!
 //! Start with [`cli`], which says what can be asked; each command has a module of its own:
 //! [`render`], [`inspect`], [`sample`], [`doctor`]. They share [`model`] (files into one scene), [`view`] (camera and ground), [`lights`]
-//! and [`area`] (lamps with a size), [`cast`] (who casts), [`verify`] (pictures against rays), [`report`] (JSON), [`output`] (files that are whole or absent) and [`talk`] (standard error).
+//! and [`area`] (lamps with a size), [`cast`] (who casts), [`verify`] (pictures against rays), [`show`] (pictures of how it works), [`report`] (JSON), [`output`] (files that are whole or absent) and [`talk`] (standard error).
 
 pub mod area;
 pub mod cast;
@@ -17,6 +17,7 @@ mod random;
 pub mod render;
 pub mod report;
 pub mod sample;
+pub mod show;
 pub mod talk;
 pub mod verify;
 pub mod view;

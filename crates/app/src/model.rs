@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail, ensure};
 use umbrae_core::Scene;
-use umbrae_formats::{Format, LoadOptions, UpAxis, Warning, load};
+use umbrae_formats::{Format, LoadOptions, Model, UpAxis, Warning, load};
 
 use crate::cli::Up;
 use crate::talk::Talk;
@@ -22,20 +22,63 @@ pub struct LoadedFile {
     pub warnings: Vec<Warning>,
 }
 
-/// Loads `paths` into one scene about the first one's origin, and says every warning.
+/// A moment of the models' animations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// From their beginning.
+    pub time_s: f64,
+    /// The one to play; what suits each model for `None`.
+    pub animation: Option<String>,
+}
+
+/// Loads `paths` into one scene about the first one's origin, as they are at `moment` (at rest for `None`), and says every warning.
 ///
 /// # Errors
 ///
-/// The first file that can't be loaded or joined, with the reason.
-pub fn load_all(paths: &[PathBuf], up: Option<Up>, talk: &Talk) -> anyhow::Result<(Scene, Vec<LoadedFile>)> {
+/// The first file that can't be loaded, played or joined, with the reason; or that none has the animation of that name.
+pub fn load_all(
+    paths: &[PathBuf],
+    up: Option<Up>,
+    moment: Option<&Moment>,
+    talk: &Talk,
+) -> anyhow::Result<(Scene, Vec<LoadedFile>)> {
     let mut scene = Scene::default();
     let mut files = Vec::new();
+    let (mut is_animated, mut names) = (false, Vec::new());
     for path in paths {
-        let model = load_one(path, up, talk)?;
+        let mut model = read(path, up)?;
+        if let Some(moment) = moment {
+            let cant = || format!("can't play `{}`", path.display());
+            is_animated |= play(&mut model, moment).with_context(cant)?;
+            names.extend(model.animations.iter().map(|animation| format!("`{}`", animation.name)));
+        }
         scene.add(model.scene).with_context(|| format!("can't join `{}` with the models before it", path.display()))?;
         files.push(LoadedFile { path: path.clone(), format: model.format, up: model.up, warnings: model.warnings });
     }
+    match moment {
+        Some(Moment { animation: Some(name), .. }) if !is_animated => {
+            ensure!(!names.is_empty(), "there is no animation `{name}`: no model has any; leave --animation out");
+            bail!("there is no animation `{name}`; there are {}", names.join(", "));
+        }
+        Some(_) if !is_animated => talk.warning("--time changes nothing: no model has an animation"),
+        _ => {}
+    }
+    // After all that can go wrong: an error is one sentence.
+    for file in &files {
+        say(&file.path, &file.warnings, talk);
+    }
     Ok((scene, files))
+}
+
+/// Shows `model` at `moment`, and returns whether it has something to play. A model without an animation of that name stays at rest, for
+/// another of the picture may have it.
+fn play(model: &mut Model, moment: &Moment) -> anyhow::Result<bool> {
+    let animation = moment.animation.as_deref();
+    let is_played = model.animations.iter().any(|other| animation.is_none_or(|name| name == other.name));
+    if is_played {
+        model.play(animation, moment.time_s)?;
+    }
+    Ok(is_played)
 }
 
 /// Loads one file and says every warning.
@@ -43,13 +86,20 @@ pub fn load_all(paths: &[PathBuf], up: Option<Up>, talk: &Talk) -> anyhow::Resul
 /// # Errors
 ///
 /// When the file can't be loaded, with the reason.
-pub fn load_one(path: &Path, up: Option<Up>, talk: &Talk) -> anyhow::Result<umbrae_formats::Model> {
-    let options = LoadOptions { up: up.map(Into::into) };
-    let model = load(path, &options)?;
-    for warning in &model.warnings {
+pub fn load_one(path: &Path, up: Option<Up>, talk: &Talk) -> anyhow::Result<Model> {
+    let model = read(path, up)?;
+    say(path, &model.warnings, talk);
+    Ok(model)
+}
+
+fn read(path: &Path, up: Option<Up>) -> anyhow::Result<Model> {
+    Ok(load(path, &LoadOptions { up: up.map(Into::into) })?)
+}
+
+fn say(path: &Path, warnings: &[Warning], talk: &Talk) {
+    for warning in warnings {
         talk.warning(&format!("`{}`: {warning}", path.display()));
     }
-    Ok(model)
 }
 
 /// The name of a format in reports.

@@ -149,6 +149,16 @@ pub fn candela(text: &str) -> Result<f32, String> {
     })
 }
 
+/// `1.5` into seconds.
+///
+/// # Errors
+///
+/// A sentence when it is not a finite number from 0.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
+    seconds.ok_or_else(|| format!("`{text}` is not a time; write seconds from 0, such as 1.5"))
+}
+
 /// `12.5` into a length above 0.
 ///
 /// # Errors
@@ -226,6 +236,10 @@ mod tests {
             assert!(candela(bad).is_err() && metres(bad).is_err(), "{bad}");
         }
         assert!(metres("0").is_err());
+        assert_eq!((seconds("0"), seconds(" 2.5")), (Ok(0.0), Ok(2.5)));
+        for bad in ["-1", "nan", "inf", "", "1:30"] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
         for bad in ["0", "-1", "90.5", "nan"] {
             assert!(cone_deg(bad).is_err(), "{bad}");
         }

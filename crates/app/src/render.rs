@@ -11,12 +11,12 @@ use umbrae_render::{
 use web_time::Instant;
 
 use crate::area::{Area, as_points};
-use crate::cast::CastChoice;
 use crate::cli::{Method, RenderArgs};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
-use crate::report::{CameraReport, GroundReport, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::report::{CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
@@ -43,7 +43,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, args.up, talk)?;
+    let (mut scene, files) = load_all(&args.models, args.up, args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let model = scene.bounds();
     let choice = view_choice(args);
@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     if let Some(ground) = &ground {
         add_ground(&mut scene, ground);
     }
-    for warning in cast_choice(args).assign(&mut scene) {
+    for warning in args.shadows.cast_choice().assign(&mut scene) {
         talk.warning(&warning);
     }
 
@@ -71,13 +71,17 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let start = Instant::now();
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
     times.upload = ms_since(start);
-    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadow_options(), look };
+    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadows.options(), look };
 
     let start = Instant::now();
-    let picture = stage.picture()?;
+    let mut picture = stage.picture()?;
     times.picture = ms_since(start);
+    let has_ground = ground.is_some();
+    let show =
+        args.show.map(|mode| stage.show(mode, args.show_light.as_deref(), has_ground, &mut picture)).transpose()?;
     let size = camera.size_px();
     let mask = outputs.mask.is_some().then(|| stage.mask(&stage.lights[0])).transpose()?;
+    let costs = args.shadows.counts_fragments.then(|| stage.costs()).transpose()?;
     let start = Instant::now();
     let (verified, wrong) = args.verify.then(|| verify(&stage, &scene, talk)).transpose()?.unzip();
     let wrong = wrong.flatten().filter(|_| outputs.errors.is_some());
@@ -91,10 +95,18 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         origin: origin.to_array(),
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
         camera: CameraReport::new(&camera, origin),
+        time: args.time,
+        animation: args.animation.clone(),
         samples: args.samples,
-        method: method_name(args.method),
+        method: Method::name(stage.shadows.method),
+        left_out: LeftOut::new(&stage.shadows),
+        show,
         lights: (stage.lights.iter().zip(&picture.lights))
-            .map(|(light, report)| LightJson::new(light, report, &stage.casters, origin))
+            .enumerate()
+            .map(|(i, (light, report))| {
+                let costs = costs.as_ref().map(|costs| costs[i]);
+                LightJson::new(light, report, costs, &stage.casters, origin)
+            })
             .collect(),
         passes: picture.passes.iter().map(Into::into).collect(),
         times_ms: times,
@@ -118,6 +130,67 @@ impl Stage {
         Ok(pollster::block_on(self.renderer.mask(&self.shot(), light))?)
     }
 
+    /// Makes `picture` one that shows `mode`. The ground, if there is one, was added last.
+    fn show(
+        &self,
+        mode: show::Mode,
+        light: Option<&str>,
+        has_ground: bool,
+        picture: &mut Picture,
+    ) -> anyhow::Result<ShowReport> {
+        let subject = Subject {
+            casters: &self.casters,
+            ground: self.casters.len().checked_sub(1).filter(|_| has_ground),
+            camera: &self.camera,
+            lights: &self.lights,
+            reports: &picture.lights,
+        };
+        let show = Show::new(mode, subject, light)?;
+        if let Some(overlay) = show.overlay() {
+            let shot = Shot { overlay: Some(overlay), ..self.shot() };
+            picture.rgba = pollster::block_on(self.renderer.picture(&shot))?.rgba;
+        }
+        let numbers = match mode {
+            show::Mode::Counts => Numbers::Counts(self.counts(&show.lights())?),
+            show::Mode::Fill => Numbers::Fill(self.fill(&show.lights())?),
+            _ => Numbers::None,
+        };
+        Ok(show.finish(&mut picture.rgba, &numbers))
+    }
+
+    /// For each light what it costs, and what it would with nothing left out.
+    fn costs(&self) -> anyhow::Result<Vec<[Cost; 2]>> {
+        let everything = ShadowOptions::without_culling(self.shadows.method);
+        let cost = |light: &Light, shadows: ShadowOptions| -> anyhow::Result<Cost> {
+            let shot = Shot { shadows, ..self.shot() };
+            let fill = pollster::block_on(self.renderer.fill(&shot, light))?;
+            let mask = pollster::block_on(self.renderer.mask(&shot, light))?;
+            Ok(Cost::new(&mask.light, Some(fill.iter().map(|&fragments| u64::from(fragments)).sum())))
+        };
+        self.lights.iter().map(|light| Ok([cost(light, self.shadows)?, cost(light, everything)?])).collect()
+    }
+
+    /// The stencil counts of the first of `lights`.
+    fn counts(&self, lights: &[&Light]) -> anyhow::Result<Vec<i32>> {
+        let Some(light) = lights.first() else { return Ok(self.for_each_pixel(0)) };
+        Ok(pollster::block_on(self.renderer.counts(&self.shot(), light))?)
+    }
+
+    /// The fragments of all `lights` together.
+    fn fill(&self, lights: &[&Light]) -> anyhow::Result<Vec<u32>> {
+        let mut total = self.for_each_pixel(0);
+        for light in lights {
+            let fill = pollster::block_on(self.renderer.fill(&self.shot(), light))?;
+            total.iter_mut().zip(fill).for_each(|(total, fragments)| *total += fragments);
+        }
+        Ok(total)
+    }
+
+    fn for_each_pixel<T: Clone>(&self, value: T) -> Vec<T> {
+        let [width, height] = self.camera.size_px().map(|side| side as usize);
+        vec![value; width * height]
+    }
+
     fn shot(&self) -> Shot<'_> {
         Shot {
             scene: &self.gpu_scene,
@@ -126,6 +199,7 @@ impl Stage {
             lights: &self.lights,
             shadows: self.shadows,
             look: &self.look,
+            overlay: None,
         }
     }
 }
@@ -262,10 +336,6 @@ fn view_choice(args: &RenderArgs) -> ViewChoice {
     }
 }
 
-fn cast_choice(args: &RenderArgs) -> CastChoice {
-    CastChoice { cast: args.cast.clone(), no_cast: args.no_cast.clone(), glass_casts: args.glass_casts }
-}
-
 /// The lights as they are drawn: each lamp as many if it is to have a size.
 fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk) -> Vec<Light> {
     let Some(samples) = args.area_samples else { return lights };
@@ -299,14 +369,6 @@ fn summary(stage: &Stage, args: &RenderArgs) -> String {
         counted(stage.lights.len(), "light"),
         stage.renderer.gpu().label
     )
-}
-
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Auto => "auto",
-        Method::Zpass => "zpass",
-        Method::Zfail => "zfail",
-    }
 }
 
 fn ms_since(start: Instant) -> f64 {

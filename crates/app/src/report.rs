@@ -3,14 +3,20 @@
 //! Positions are in the model's own coordinates, z up, in metres: the file's coordinates after `world_from_file`. What is drawn is at
 //! `position - origin`, rounded to `f32`.
 
+mod light;
+
 use glam::DVec3;
 use serde::Serialize;
-use umbrae_core::{Camera, Caster, Cone, Light};
+use umbrae_core::Camera;
 use umbrae_formats::UpAxis;
-use umbrae_render::{CasterReport, Comparison, LightReport, PassTime};
+use umbrae_render::{Comparison, PassTime, ShadowOptions};
 
+use crate::cli::LightMark;
 use crate::model::{LoadedFile, format_name};
+use crate::show::ShowReport;
 use crate::view::Ground;
+
+pub use self::light::{Cost, LightJson};
 
 /// The whole report.
 #[derive(Debug, Serialize)]
@@ -21,6 +27,12 @@ pub struct Report {
     pub adapter: String,
     /// In the order of the command line.
     pub models: Vec<ModelReport>,
+    /// With `--time`: seconds after the beginning of the models' animations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// With `--animation`: the one that is played, in models that have it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
     /// What is subtracted before rounding to `f32`.
     pub origin: [f64; 3],
     /// Absent with `--no-ground`.
@@ -29,8 +41,13 @@ pub struct Report {
     pub camera: CameraReport,
     /// Samples a pixel of the picture.
     pub samples: u32,
-    /// "auto", "zpass" or "zfail".
+    /// "auto", "zpass", "zfail" or "eye-count".
     pub method: &'static str,
+    /// With `--show`, what the picture shows besides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub show: Option<ShowReport>,
+    /// Changes no picture.
+    pub left_out: LeftOut,
     /// In the order in which they were added.
     pub lights: Vec<LightJson>,
     /// GPU times; empty where the device can't tell.
@@ -128,127 +145,36 @@ impl CameraReport {
     }
 }
 
-/// One light and what it drew.
-///
-/// A directional light gives a surface that faces it `strength`. A lamp d metres away gives it `strength / d^2 * (1 - (d / range)^4)`, and
-/// nothing from its range on; a spot that times `edge^2`, where `edge` goes from 1 to 0 as the cosine of the angle from the cone's middle
-/// goes from that of `inner_deg` to that of `outer_deg`.
+/// What is left out of counting because it can change no pixel: the rules that were on.
 #[derive(Debug, Serialize)]
-pub struct LightJson {
-    name: String,
-    /// "directional", "point" or "spot".
-    kind: &'static str,
-    /// Of a point or a spot.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    position: Option<[f64; 3]>,
-    /// Of a directional light: the unit vector towards it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    direction_to_light: Option<[f64; 3]>,
-    /// Of a spot.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cone: Option<ConeJson>,
-    /// Of a point or a spot: metres at which it has faded to nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    range: Option<f64>,
-    /// `color` times `intensity`: irradiance of a directional light, and of a lamp at 1 m.
-    strength: [f32; 3],
-    /// Linear; the strongest channel is 1, or all are 0.
-    color: [f32; 3],
-    /// Of the strongest channel: lux of a directional light, candela of a lamp.
-    intensity: f32,
-    /// Time on the CPU for facing, silhouettes and volumes of all casters.
-    silhouettes_and_volumes_ms: f64,
-    /// One entry for each object, the ground last; an object in which only some triangles cast has two, of one name.
-    casters: Vec<CasterJson>,
+pub struct LeftOut {
+    /// Lights whose reach is out of view.
+    unseen_lights: bool,
+    /// Casters outside a light's range or cone.
+    unreached_casters: bool,
+    /// Casters whose shadow can't be in view.
+    unseen_casters: bool,
+    /// Caps that are out of view.
+    unseen_caps: bool,
+    /// Pixels outside the rectangle around a light's reach.
+    light_scissor: bool,
+    /// Pixels outside the rectangle around a caster's shadow.
+    caster_scissor: bool,
+    /// Pixels that are not marked: "off", "exact", "select" or "receivers".
+    light_mark: &'static str,
 }
 
-impl LightJson {
-    /// `light` of a scene about `origin`.
-    pub fn new(light: &Light, report: &LightReport, casters: &[Caster], origin: DVec3) -> Self {
-        let xyz = light.position.homogeneous().truncate();
-        let is_directional = light.position.is_directional();
-        let intensity = light.strength.max_element();
+impl LeftOut {
+    /// What `options` leave out.
+    pub fn new(options: &ShadowOptions) -> Self {
         Self {
-            name: light.name.clone(),
-            kind: match light.cone {
-                _ if is_directional => "directional",
-                Some(_) => "spot",
-                None => "point",
-            },
-            position: (!is_directional).then(|| (xyz + origin).to_array()),
-            direction_to_light: is_directional.then(|| xyz.to_array()),
-            cone: light.cone.filter(|_| !is_directional).map(Into::into),
-            range: light.range_m.filter(|_| !is_directional),
-            strength: light.strength.to_array(),
-            color: (light.strength / if intensity > 0.0 { intensity } else { 1.0 }).to_array(),
-            intensity,
-            silhouettes_and_volumes_ms: report.cpu_ms,
-            casters: casters.iter().zip(&report.casters).map(|(c, r)| CasterJson::new(c, r)).collect(),
-        }
-    }
-}
-
-/// Where a spot shines.
-#[derive(Debug, Serialize)]
-pub struct ConeJson {
-    /// The unit vector along its middle, away from the light.
-    direction: [f64; 3],
-    /// From the middle to where its edge begins.
-    inner_deg: f64,
-    /// From the middle to where it ends.
-    outer_deg: f64,
-}
-
-impl From<Cone> for ConeJson {
-    fn from(cone: Cone) -> Self {
-        Self {
-            direction: cone.axis.to_array(),
-            inner_deg: cone.inner_rad.to_degrees(),
-            outer_deg: cone.outer_rad.to_degrees(),
-        }
-    }
-}
-
-/// One caster under one light.
-#[derive(Debug, Serialize)]
-pub struct CasterJson {
-    name: String,
-    /// Whether it casts at all: see `--cast`, `--no-cast` and `--glass-casts`.
-    casts: bool,
-    /// Whether what is behind it shows through.
-    is_glass: bool,
-    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    case: Option<u32>,
-    /// Different edges between what is turned to the light and what is not.
-    silhouette_edges: usize,
-    /// What its shadow volume is drawn with.
-    triangles: TrianglesByPart,
-}
-
-#[derive(Debug, Serialize)]
-struct TrianglesByPart {
-    /// Between the silhouette and its shadow.
-    sides: usize,
-    /// At infinity.
-    dark_cap: usize,
-    /// On the caster itself.
-    light_cap: usize,
-}
-
-impl CasterJson {
-    fn new(caster: &Caster, report: &CasterReport) -> Self {
-        Self {
-            name: caster.name.clone(),
-            casts: caster.role.casts,
-            is_glass: caster.role.is_glass,
-            case: report.case().map(umbrae_core::Case::number),
-            silhouette_edges: report.silhouette_edges,
-            triangles: TrianglesByPart {
-                sides: report.side_triangles,
-                dark_cap: report.dark_cap_triangles,
-                light_cap: report.light_cap_triangles,
-            },
+            unseen_lights: options.cull_lights,
+            unreached_casters: options.cull_unreached,
+            unseen_casters: options.cull_unseen,
+            unseen_caps: options.cull_caps,
+            light_scissor: options.light_scissor,
+            caster_scissor: options.caster_scissor,
+            light_mark: LightMark::name(options.light_mark),
         }
     }
 }

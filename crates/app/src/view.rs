@@ -68,9 +68,8 @@ pub fn ensure_drawable(scene: &Scene, model: &Bounds, ground: Option<&Ground>) -
         );
     }
     let mut triangles = scene.objects.iter().flat_map(|object| {
-        let in_scene =
-            |i: u32| object.world_from_object.transform_point3(object.mesh.positions()[i as usize].as_dvec3());
-        object.mesh.triangles().iter().map(move |triangle| triangle.map(|i| in_scene(i).as_vec3().as_dvec3()))
+        let positions: Vec<DVec3> = object.positions().map(|p| p.as_vec3().as_dvec3()).collect();
+        object.mesh.triangles().iter().map(move |triangle| triangle.map(|i| positions[i as usize]))
     });
     let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
     ensure!(triangles.any(has_area), "every triangle of the model is a line or a point, so there is nothing to draw");
@@ -178,8 +177,7 @@ fn framing_eye(camera: &Camera, scene: &Scene) -> DVec3 {
     // u - half.x w is at least x - half.x z, and -u - half.x w at least -x - half.x z; and so for y.
     let mut least = [f64::NEG_INFINITY; 4];
     for object in &scene.objects {
-        for position in object.mesh.positions() {
-            let p = object.world_from_object.transform_point3(position.as_dvec3());
+        for p in object.positions() {
             let (x, y, z) = (p.dot(right), p.dot(up), p.dot(forward));
             let bounds = [x - half.x * z, -x - half.x * z, y - half.y * z, -y - half.y * z];
             for (least, bound) in least.iter_mut().zip(bounds) {

@@ -16,11 +16,17 @@ mod independent;
 mod lights;
 #[path = "cli/memory.rs"]
 mod memory;
+#[path = "cli/moments.rs"]
+mod moments;
 #[path = "cli/odd_models.rs"]
 mod odd_models;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/report.rs"]
 mod report;
+#[path = "cli/shadows.rs"]
+mod shadows;
+#[path = "cli/show.rs"]
+mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;

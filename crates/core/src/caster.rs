@@ -28,10 +28,24 @@ pub struct Caster {
 impl Caster {
     /// The caster of `object`, whose mesh has `topology`.
     pub fn new(object: &Object, topology: Arc<Topology>) -> Self {
+        let mut caster = Self {
+            name: object.name.clone(),
+            mesh: object.mesh.clone(),
+            topology,
+            positions: Vec::new(),
+            bounds: Bounds::EMPTY,
+            role: object.role,
+        };
+        caster.pose_to(object);
+        caster
+    }
+
+    /// Moves the caster to where `object` is now, which must show the same mesh as the one that it was made of; takes no new memory.
+    pub fn pose_to(&mut self, object: &Object) {
+        self.positions.clear();
         // Adding +0 turns -0 into +0, as welding did.
-        let positions: Vec<Vec3> = object.positions().map(|p| p.as_vec3() + Vec3::ZERO).collect();
-        let bounds = Bounds::of_points(positions.iter().map(|p| p.as_dvec3()));
-        Self { name: object.name.clone(), mesh: object.mesh.clone(), topology, positions, bounds, role: object.role }
+        self.positions.extend(object.positions().map(|p| p.as_vec3() + Vec3::ZERO));
+        self.bounds = Bounds::of_points(self.positions.iter().map(|p| p.as_dvec3()));
     }
 
     /// The casters of every object of `scene`, in order; the topology of a shared mesh is found once.

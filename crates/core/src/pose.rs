@@ -44,7 +44,10 @@ impl Pose {
     pub fn position(&self, v: usize, rest: Vec3) -> DVec3 {
         let mut position = rest.as_dvec3();
         for (&weight, offsets) in self.morph_weights.iter().zip(&self.deformer.morph_offsets) {
-            position += f64::from(weight) * offsets[v].as_dvec3();
+            // Most targets of a face are at 0, and each is memory elsewhere.
+            if weight != 0.0 {
+                position += f64::from(weight) * offsets[v].as_dvec3();
+            }
         }
         let Some(&[start, end]) = self.deformer.influence_ranges.get(v) else { return position };
         self.deformer.influences[start as usize..end as usize]

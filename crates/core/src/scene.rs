@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
+use rustc_hash::FxHashMap;
 
 use crate::{Bounds, Camera, CameraError, Light, Mesh, Pose, Role, Texture};
 
@@ -164,8 +165,15 @@ impl Scene {
             base_color_texture: material.base_color_texture.map(|texture| first_texture + texture),
             ..material
         }));
+        // Objects that shared a mesh still do.
+        let mut moved: FxHashMap<*const Mesh, Arc<Mesh>> = FxHashMap::default();
+        let mut mesh_after = |mesh: &Arc<Mesh>| {
+            let moved =
+                moved.entry(Arc::as_ptr(mesh)).or_insert_with(|| Arc::new(mesh.with_materials_after(first_material)));
+            moved.clone()
+        };
         self.objects.extend(other.objects.into_iter().map(|object| Object {
-            mesh: Arc::new(object.mesh.with_materials_after(first_material)),
+            mesh: mesh_after(&object.mesh),
             world_from_object: DAffine3::from_translation(offset) * object.world_from_object,
             ..object
         }));

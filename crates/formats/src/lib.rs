@@ -22,6 +22,7 @@
 //! # Ok::<(), umbrae_formats::LoadError>(())
 //! ```
 
+mod animation;
 mod error;
 mod gltf;
 mod load;
@@ -35,6 +36,7 @@ mod stl;
 mod text;
 mod warnings;
 
+pub use animation::{Animation, AnimationError, Animations, Playing};
 pub use error::{LoadError, Place, Problem};
 pub use load::{LoadOptions, load, load_bytes};
 pub use model::{Format, Model, UpAxis};

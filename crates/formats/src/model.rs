@@ -4,9 +4,11 @@ use std::path::Path;
 
 use umbrae_core::Scene;
 
-use crate::Warning;
+use crate::{Animations, Warning};
 
 /// A loaded file.
+///
+/// [`Model::play`] shows it as it is at another moment.
 #[derive(Debug, Clone)]
 pub struct Model {
     /// At least one object; metres, z up, about [`Scene::origin`].
@@ -17,6 +19,8 @@ pub struct Model {
     pub up: UpAxis,
     /// What was left out or changed, each kind once.
     pub warnings: Vec<Warning>,
+    /// What the file says moves; `scene` is at rest until it is played.
+    pub animations: Animations,
 }
 
 /// A file format.

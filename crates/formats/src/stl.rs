@@ -12,7 +12,7 @@ use crate::load::Context;
 use crate::place::{Part, scene_of_parts};
 use crate::text::{Lines, first_word, lossy, number, words};
 use crate::warnings::Warnings;
-use crate::{Format, Model};
+use crate::{Animations, Format, Model};
 
 /// Reads an STL file: one object for each solid. Normals and attribute bytes are left out: corners say it all.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
@@ -38,7 +38,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         _ => Problem::whole(format!("solid {}: {error}", quoted(&part.name))),
     };
     let scene = scene_of_parts(parts, up, Vec::new(), &mut warnings, explain)?;
-    Ok(Model { scene, format: Format::Stl, up, warnings: warnings.finish() })
+    Ok(Model { scene, format: Format::Stl, up, warnings: warnings.finish(), animations: Animations::default() })
 }
 
 const HEADER_BYTES: usize = 80;

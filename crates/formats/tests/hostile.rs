@@ -9,12 +9,15 @@ use std::time::{Duration, Instant};
 use umbrae_formats::{Format, LoadError, LoadOptions, Model, load_bytes};
 
 /// Small files of every format and encoding.
-const VICTIMS: [&str; 20] = [
+const VICTIMS: [&str; 23] = [
     "gltf/AnimatedMorphCube.glb",
     "gltf/Box-embedded.gltf",
+    "gltf/BoxAnimated.glb",
     "gltf/BoxInterleaved.glb",
     "gltf/BoxVertexColors.glb",
     "gltf/Cameras/Cameras.gltf",
+    "gltf/Fox.glb",
+    "gltf/InterpolationTest.glb",
     "gltf/MeshPrimitiveModes/MeshPrimitiveModes.gltf",
     "gltf/SimpleInstancing.glb",
     "gltf/SimpleSkin/SimpleSkin.gltf",
@@ -62,6 +65,22 @@ fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, Lo
     result
 }
 
+/// Whatever moves, every vertex is somewhere at all times.
+fn play(mut model: Model) {
+    let start = Instant::now();
+    let names: Vec<String> = model.animations.iter().map(|animation| animation.name.to_owned()).collect();
+    for name in [None].into_iter().chain(names.iter().map(|name| Some(name.as_str()))) {
+        let playing = model.animations.choose(name).expect("it has that name");
+        for time_s in [0.0, 0.3 * playing.duration_s(), 1.0, f64::MAX] {
+            model.animations.pose(&mut model.scene, &playing, time_s).expect("its own scene and a good time");
+            let bounds = model.scene.bounds();
+            let furthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+            assert!(furthest < 1.001e18, "{name:?} at {time_s} s: {bounds:?}");
+        }
+    }
+    assert!(start.elapsed() < PATIENCE, "playing took {:?}", start.elapsed());
+}
+
 fn flipped(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..=random.below(8) {
@@ -101,9 +120,13 @@ fn damaged_files_load_or_fail_but_never_panic() {
                 renumbered(&bytes, &mut random),
             ];
             for damaged in damaged {
-                if let Err(error) = read(&damaged, format, path.parent()) {
-                    let message = error.to_string();
-                    assert!(!message.contains('\n') && message.len() < 2000, "{file}: {message}");
+                match read(&damaged, format, path.parent()) {
+                    Ok(model) if model.animations.is_empty() => {}
+                    Ok(model) => play(model),
+                    Err(error) => {
+                        let message = error.to_string();
+                        assert!(!message.contains('\n') && message.len() < 2000, "{file}: {message}");
+                    }
                 }
             }
         }
@@ -244,6 +267,27 @@ fn nodes_that_double_at_each_level_are_refused() {
     let nodes: Vec<String> = (0..40).map(|level| format!(r#"{{"children":[{0},{0}]}}"#, level + 1)).collect();
     let json = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{},{{}}]}}"#, nodes.join(","));
     assert!(error(json.as_bytes(), Format::Gltf).contains("which already has a place"));
+}
+
+/// Hundreds of animations that each have hundreds of channels which name the same keys.
+#[test]
+fn animations_that_repeat_themselves_are_read_once() {
+    let channels = |node: usize| format!(r#"{{"sampler":0,"target":{{"node":{node},"path":"translation"}}}}"#);
+    let channels = (0..300).map(channels).collect::<Vec<_>>().join(",");
+    let animation = format!(r#"{{"channels":[{channels}],"samplers":[{{"input":1,"output":2}}]}}"#);
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "buffers":[{{"byteLength":36,"uri":"data:,%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@%00%00%00%00%00%00%00%00%00%00%00%00%00%00%00@"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"animations":[{}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}},
+        {{"componentType":5126,"type":"SCALAR","count":50000}},{{"componentType":5126,"type":"VEC3","count":50000}}]}}"#,
+        vec![r#"{"mesh":0}"#; 300].join(","),
+        vec![animation; 200].join(","),
+    );
+    let mut model = read(json.as_bytes(), Format::Gltf, None).expect("its keys are zeros");
+    assert_eq!((model.animations.iter().count(), model.scene.objects.len()), (200, 300));
+    model.play(None, 1.0).expect("a good time");
+    assert!(model.warnings[0].message.starts_with("animations move the same things"), "{:?}", model.warnings);
 }
 
 /// Thousands of meshes that name the same accessor would take the square of the file's size.

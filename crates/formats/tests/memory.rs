@@ -96,10 +96,50 @@ const THREE: &str = "v 1 2 3\nv 2 3 4\nv 1 1 1\n";
 /// A name, a format and how to make the bytes.
 type Case = (&'static str, Format, fn() -> Vec<u8>);
 
-const CASES: [Case; 17] = [
+const CASES: [Case; 23] = [
     ("nodes of nothing", Format::Gltf, || gltf(&format!(r#""nodes":[{}]"#, list("{}", 1_000_000)))),
     ("materials of nothing", Format::Gltf, || gltf(&format!(r#""materials":[{}]"#, list("{}", 1_000_000)))),
     ("meshes of nothing", Format::Gltf, || gltf(&format!(r#""meshes":[{}]"#, list("{}", 1_000_000)))),
+    ("animations of nothing", Format::Gltf, || gltf(&format!(r#""animations":[{}]"#, list("{}", 1_000_000)))),
+    ("channels of nothing", Format::Gltf, || {
+        gltf(&format!(r#""animations":[{{"channels":[{}]}}]"#, list("{}", 1_000_000)))
+    }),
+    ("nodes that all move", Format::Gltf, || {
+        let channel = r#"{"sampler":0,"target":{"node":0,"path":"translation"}}"#;
+        let animation = format!(r#"{{"channels":[{channel}],"samplers":[{{"input":1,"output":1}}]}}"#);
+        let children: String = (1..200_000).map(|child| format!(",{child}")).collect();
+        let nodes = format!(r#"{{"children":[{}]}},{}"#, &children[1..], list(r#"{"mesh":0}"#, 199_999));
+        let text = String::from_utf8(thousand(&nodes)).expect("it is text");
+        let keys = r#""animations":[ANIMATION],"accessors":[ZEROS,"#
+            .replace("ANIMATION", &animation.replace("\"output\":1", "\"output\":0"));
+        let zeros =
+            r#"{"componentType":5126,"type":"VEC3","count":1},{"componentType":5126,"type":"SCALAR","count":1}"#;
+        text.replace(r#""accessors":["#, &keys.replace("ZEROS", zeros))
+            .replace("\"POSITION\":0", "\"POSITION\":2")
+            .into_bytes()
+    }),
+    ("morph targets of nothing", Format::Gltf, || {
+        let primitive = format!(r#""attributes":{{"POSITION":0}},"targets":[{}]"#, list("{}", 100_000));
+        let text = String::from_utf8(thousand(r#"{"mesh":0}"#)).expect("it is text");
+        text.replace(r#""attributes":{"POSITION":0}"#, &primitive).into_bytes()
+    }),
+    ("weights of many nodes", Format::Gltf, || {
+        let text = String::from_utf8(thousand(&list(r#"{"mesh":0}"#, 50_000))).expect("it is text");
+        let primitive = format!(r#""attributes":{{"POSITION":0}},"targets":[{}]"#, list("{}", 1_000));
+        text.replace(r#""attributes":{"POSITION":0}"#, &primitive).into_bytes()
+    }),
+    ("joints of many nodes", Format::Gltf, || {
+        let nodes = list(r#"{"mesh":0,"skin":0}"#, 50_000);
+        let skin = format!(r#""skins":[{{"joints":[{}]}}],"accessors":[ZEROS,"#, list("0", 1_000));
+        let zeros = r#"{"componentType":5121,"type":"VEC4","count":3000},
+            {"componentType":5121,"normalized":true,"type":"VEC4","count":3000,"bufferView":1}"#;
+        let text = String::from_utf8(thousand(&nodes)).expect("it is text");
+        text.replace(r#""accessors":["#, &skin.replace("ZEROS", zeros))
+            .replace(r#""POSITION":0"#, r#""POSITION":2,"JOINTS_0":0,"WEIGHTS_0":1"#)
+            // The same four bytes for all, of which the last is not 0.
+            .replace(r#"36000}],"buffers""#, r#"36000},{"buffer":0,"byteLength":36000,"byteStride":0}],"buffers""#)
+            .into_bytes()
+    }),
     ("a mesh of zeros", Format::Gltf, || {
         gltf(
             r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],

@@ -33,7 +33,7 @@ struct Fragment { @builtin(position) @invariant clip: vec4f, @location(0) world:
 }";
 
 /// A floor, a ring and a post.
-pub fn casters() -> Vec<Caster> {
+pub(crate) fn casters() -> Vec<Caster> {
     let object = |name: &str, surface| {
         let mesh = Arc::new(Mesh::new(surface).expect("shapes are good meshes"));
         Object::new(name, mesh, DAffine3::IDENTITY)
@@ -47,12 +47,12 @@ pub fn casters() -> Vec<Caster> {
 }
 
 /// A view from above.
-pub fn camera() -> Camera {
+pub(crate) fn camera() -> Camera {
     Camera::new(DVec3::new(4.0, -8.0, 6.0), DVec3::new(0.2, 0.0, 0.6), 0.75, 0.1, SIZE_PX).expect("a good camera")
 }
 
 /// A warm sun and a blue lamp.
-pub fn lights() -> [Light; 2] {
+pub(crate) fn lights() -> [Light; 2] {
     let lamp = LightPosition::point(DVec3::new(-2.5, -2.0, 3.2));
     [
         Light::new("sun", LightPosition::sun(1.0, 0.7), Vec3::new(0.55, 0.45, 0.3)),
@@ -65,7 +65,7 @@ pub fn lights() -> [Light; 2] {
 /// # Errors
 ///
 /// When there is no device.
-pub async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light]) -> Result<Vec<u8>, GpuError> {
+pub(crate) async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light]) -> Result<Vec<u8>, GpuError> {
     // A device of your own goes in with `Gpu::of_device`.
     let gpu = Gpu::new(&AdapterChoice::default()).await?;
     let device = &gpu.device;

@@ -6,10 +6,11 @@
 //!   volumes              the mark, then the shadow volumes into the stencil
 //!   light                this light, added where the stencil says that it reaches
 //! glass                  what is seen through, over all that (pictures only)
+//! overlay                what is shown over the picture, if anything is
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
-use crate::passes::{GlassFrame, GlassPass, LightPass, SurfacePass, TonePass};
+use crate::passes::{GlassFrame, GlassPass, GpuOverlay, LightPass, OverlayPass, SurfacePass, TonePass};
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::timing::PassTimer;
 use crate::{GpuScene, Targets};
@@ -32,6 +33,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) lights: &'a [FrameLight],
     /// If there is any, and it is wanted.
     pub(crate) glass: Option<(&'a GlassPass, &'a GlassFrame)>,
+    /// With the pass that draws it.
+    pub(crate) overlay: Option<(&'a OverlayPass, &'a GpuOverlay)>,
 }
 
 /// One light of a frame.
@@ -43,7 +46,7 @@ pub(crate) struct FrameLight {
 
 /// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: usize) -> u32 {
-    3 + 2 * lights as u32
+    4 + 2 * lights as u32
 }
 
 /// Records everything but the tone mapping.
@@ -72,6 +75,14 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
         let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
         let mut pass = begin(encoder, frame, "glass", Some(color), keep, timer);
         glass_pass.draw(&mut pass, frame.scene, glass);
+    }
+
+    if let Some((overlay_pass, overlay)) = frame.overlay {
+        // Resolved once more, with what it adds.
+        let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);
+        let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+        let mut pass = begin(encoder, frame, "overlay", Some(color), keep, timer);
+        overlay_pass.draw(&mut pass, overlay);
     }
 }
 

@@ -12,6 +12,7 @@ mod gpu_finishes;
 mod gpu_scene;
 mod look;
 mod mipmap;
+mod overlay;
 mod passes;
 mod readback;
 mod renderer;
@@ -26,6 +27,7 @@ pub use caps::{Caps, Tier};
 pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
 pub use gpu_scene::GpuScene;
 pub use look::Look;
+pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
     CasterReport, Fate, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowTarget,

@@ -3,13 +3,13 @@
 use umbrae_core::{Camera, Caster, Light};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::passes::{GlassPass, Layouts, LightPass, SurfacePass, TonePass, uniform_group};
+use crate::passes::{GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group};
 use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightReport, Look, PassTime, ShadowLight, ShadowOptions, Targets};
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowLight, ShadowOptions, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -20,6 +20,7 @@ pub struct Renderer {
     mask: Passes,
     tally: Tally,
     glass: GlassPass,
+    overlay: OverlayPass,
     tone: TonePass,
     samples: u32,
     format: wgpu::TextureFormat,
@@ -40,6 +41,15 @@ pub struct Shot<'a> {
     pub shadows: ShadowOptions,
     /// Exposure and fading.
     pub look: &'a Look,
+    /// Drawn last, over the lit picture; masks and tallies leave it out.
+    pub overlay: Option<&'a Overlay>,
+}
+
+impl<'a> Shot<'a> {
+    /// With default shadows, neither exposure nor fading, and nothing laid over.
+    pub fn new(scene: &'a GpuScene, casters: &'a [Caster], camera: &'a Camera, lights: &'a [Light]) -> Self {
+        Self { scene, casters, camera, lights, shadows: ShadowOptions::default(), look: &Look::NONE, overlay: None }
+    }
 }
 
 /// A finished picture.
@@ -86,8 +96,9 @@ impl Renderer {
         let mask = passes(Output::Mask, 1);
         let tally = Tally::new(&gpu);
         let glass = GlassPass::new(&gpu, &layouts, samples);
+        let overlay = OverlayPass::new(&gpu, &layouts, samples);
         let tone = TonePass::new(&gpu, &layouts, format);
-        Self { gpu, layouts, picture, mask, tally, glass, tone, samples, format }
+        Self { gpu, layouts, picture, mask, tally, glass, overlay, tone, samples, format }
     }
 
     /// The device.
@@ -161,8 +172,10 @@ impl Renderer {
         let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
         let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
         let glass = glass.as_ref().map(|glass| (&self.glass, glass));
-        let frame =
-            Frame { targets, scene: shot.scene, view: &view, shadow_view: &shadow_view, lights: &lights, glass };
+        let overlay = shot.overlay.map(|overlay| self.upload_overlay(overlay, shot.camera)).transpose()?;
+        let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
+        let shadow_view = &shadow_view;
+        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view, lights: &lights, glass, overlay };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
@@ -187,6 +200,7 @@ impl Renderer {
             shadow_view: &shadow_view,
             lights: &lights,
             glass: None,
+            overlay: None,
         };
         frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
@@ -245,6 +259,7 @@ impl Renderer {
             shadow_view: &shadow_view,
             lights: &lights,
             glass: None,
+            overlay: None,
         };
         frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);
         let copy = TextureCopy::record(&self.gpu, &mut encoder, &sums);
@@ -269,6 +284,12 @@ impl Renderer {
         let casters = &shot.scene.shadow_casters;
         let shadows = passes.shadows.light(&self.gpu, shot.casters, casters, view, light, &shot.shadows)?;
         Ok(FrameLight { name: light.name.clone(), shadows })
+    }
+
+    fn upload_overlay(&self, overlay: &Overlay, camera: &Camera) -> Result<GpuOverlay, GpuError> {
+        let size_px = camera.size_px();
+        let pixel_at_1 = 2.0 * camera.half_extent().y / f64::from(size_px[1]);
+        self.overlay.upload(&self.gpu, overlay, size_px, pixel_at_1)
     }
 
     fn view_group(&self, camera: &Camera, look: &Look) -> wgpu::BindGroup {

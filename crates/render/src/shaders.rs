@@ -20,6 +20,10 @@ pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "tone", &[VIEW, include_str!("shaders/tone.wgsl")])
 }
 
+pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "overlay", &[VIEW, include_str!("shaders/overlay.wgsl")])
+}
+
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(label),

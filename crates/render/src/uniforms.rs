@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use umbrae_core::{Camera, Light};
 
-use crate::Look;
+use crate::{Look, Overlay};
 
 /// `View` in `view.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -109,6 +109,37 @@ impl LightsUniform {
     }
 }
 
+/// `Overlay` in `overlay.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct OverlayUniform {
+    size_px: [f32; 2],
+    half_width_px: f32,
+    hidden_opacity: f32,
+    lift: f32,
+    unused_0: f32,
+    unused_1: f32,
+    unused_2: f32,
+}
+
+/// Lines come nearer by as much as a pixel is wide, times this: enough for the part of a line that lies over a surface as steep as this.
+const LINE_LIFT_PX: f64 = 4.0;
+
+impl OverlayUniform {
+    /// `pixel_at_1` is the width of a pixel at view depth 1.
+    pub(crate) fn new(overlay: &Overlay, size_px: [u32; 2], pixel_at_1: f64) -> Self {
+        Self {
+            size_px: size_px.map(|side| side as f32),
+            half_width_px: 0.5 * overlay.line_width_px,
+            hidden_opacity: overlay.hidden_opacity,
+            lift: (LINE_LIFT_PX * pixel_at_1) as f32,
+            unused_0: 0.0,
+            unused_1: 0.0,
+            unused_2: 0.0,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +170,18 @@ mod tests {
             let rust = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field))),*];
             assert_eq!(members, rust, "members of {}", $name);
         };
+    }
+
+    #[test]
+    fn overlay_has_the_same_bytes_in_rust_and_wgsl() {
+        // naga wants every name known, so the part before comes along.
+        let source = concat!(include_str!("shaders/view.wgsl"), include_str!("shaders/overlay.wgsl"));
+        assert_same_layout!(
+            OverlayUniform,
+            source,
+            "Overlay",
+            [size_px, half_width_px, hidden_opacity, lift, unused_0, unused_1, unused_2]
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Output, Renderer, Shot, Targets};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Output, Renderer, ShadowOptions, Shot, Targets};
 
 const SIZE_PX: [u32; 2] = [64, 48];
 
@@ -39,8 +39,9 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         casters: &casters,
         camera: &camera,
         lights: &lights,
-        shadows: Method::Auto.into(),
+        shadows: ShadowOptions::default(),
         look: &look,
+        overlay: None,
     };
     let picture = pollster::block_on(headless.picture(&shot)).expect("a small picture");
 

@@ -84,8 +84,15 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         for (light, judgements) in lights.iter().zip(&judged) {
             let mut first: Option<Vec<u8>> = None;
             for (rule, shadows) in all_options() {
-                let shot =
-                    Shot { scene: &gpu_scene, casters: &casters, camera: &camera, lights: &[], shadows, look: &look };
+                let shot = Shot {
+                    scene: &gpu_scene,
+                    casters: &casters,
+                    camera: &camera,
+                    lights: &[],
+                    shadows,
+                    look: &look,
+                    overlay: None,
+                };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
                 assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");

@@ -91,7 +91,7 @@ fn lamps_of_a_model_shine_where_the_user_names_none_and_keep_their_ranges() {
     }
     document["scenes"][0]["nodes"] = json!([0, 1, 2]);
     let model = place.file("lamps.glb", glb(&document, &floats(&TRIANGLE)));
-    let args = ["render", &model, "-o", &place.out("x.png"), "--json", "-"];
+    let args = ["render", &model, "-o", &place.out("x.png"), "--json", "-", "--verify"];
     let run = place.umbrae(&[&args[..], &SMALL].concat()).success();
     let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("JSON");
     let lights = report["lights"].as_array().expect("a list");

@@ -156,8 +156,15 @@ impl Case {
         let renderer = Renderer::new(gpu, self.samples);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
         let shadows = ShadowOptions::default();
-        let shot =
-            Shot { scene: &gpu_scene, casters: &casters, camera: &camera, lights: &lights, shadows, look: &look };
+        let shot = Shot {
+            scene: &gpu_scene,
+            casters: &casters,
+            camera: &camera,
+            lights: &lights,
+            shadows,
+            look: &look,
+            overlay: None,
+        };
         let drawn = renderer.picture(&shot);
         let rgb =
             pollster::block_on(drawn)?.rgba.chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();

@@ -26,7 +26,8 @@ pub(super) fn materials(document: &Document, mut textures: Textures<'_>, warning
         let texture = material.pbr_metallic_roughness.base_color_texture.as_ref();
         let texture = texture.and_then(|texture| textures.of_material(texture, warnings));
         let base_color_texture = texture.map(|(index, _)| index);
-        materials.push(Material { base_color_texture, ..material_of(material, warnings) });
+        let least_alpha = base_color_texture.map_or(1.0, |index| textures.least_alpha(index));
+        materials.push(Material { base_color_texture, ..material_of(material, least_alpha, warnings) });
         uv_sources.push(texture.map(|(_, source)| source));
     }
     Looks { materials, textures: textures.read, uv_sources }
@@ -35,7 +36,9 @@ pub(super) fn materials(document: &Document, mut textures: Textures<'_>, warning
 /// How much is left of a surface's opacity that lets all light through: enough to see that it is there.
 const OPACITY_OF_GLASS: f32 = 0.3;
 
-fn material_of(material: &document::Material, warnings: &mut Warnings) -> Material {
+/// A material without its texture, which has alpha of `least_alpha` and more. One that says it is cut out or blended, but is whole everywhere, is opaque:
+/// some programs say so of everything.
+fn material_of(material: &document::Material, least_alpha: f32, warnings: &mut Warnings) -> Material {
     let name = material.name.clone().unwrap_or_default();
     let [red, green, blue, alpha] = material.pbr_metallic_roughness.base_color_factor.unwrap_or([1.0; 4]);
     let given = Vec4::new(red, green, blue, alpha);
@@ -45,13 +48,16 @@ fn material_of(material: &document::Material, warnings: &mut Warnings) -> Materi
         warnings.add_one(words, || format!("({red}, {green}, {blue}, {alpha}) of material {}", quoted(&name)));
     }
     let mut alpha = factor.w;
+    let cutoff = material.alpha_cutoff.unwrap_or(0.5).max(0.0);
     let mut alpha_mode = match material.alpha_mode.as_deref() {
         None | Some("OPAQUE") => AlphaMode::Opaque,
+        Some("BLEND") if alpha * least_alpha >= 1.0 => AlphaMode::Opaque,
         Some("BLEND") => AlphaMode::Blend,
+        Some("MASK") if alpha * least_alpha >= cutoff => AlphaMode::Opaque,
         Some("MASK") => {
             let words = ["cut-out material casts as full triangles", "cut-out materials cast as full triangles"];
             warnings.add_one(words, || quoted(&name));
-            AlphaMode::Mask { cutoff: material.alpha_cutoff.unwrap_or(0.5).max(0.0) }
+            AlphaMode::Mask { cutoff }
         }
         Some(other) => {
             let words = [

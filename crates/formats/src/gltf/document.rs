@@ -1,4 +1,4 @@
-//! The JSON of a glTF file, as far as it concerns shapes, lights and cameras.
+//! The JSON of a glTF file, as far as it concerns shapes, lights, cameras and what moves them.
 //!
 //! The crate `gltf` 1.4.1 does not serve here. It keeps transforms in `f32`, which at national coordinates puts a
 //! building up to a metre off; its validation panics when POSITION names an accessor that does not exist; it refuses
@@ -11,7 +11,6 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 
 use crate::error::{Problem, cut_short, quoted};
 
@@ -50,7 +49,7 @@ pub(super) struct Document {
     #[serde(default)]
     pub(super) buffers: Vec<Buffer>,
     #[serde(default)]
-    pub(super) animations: Vec<IgnoredAny>,
+    pub(super) animations: Vec<Animation>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -174,6 +173,39 @@ pub(super) struct Skin {
     #[serde(default)]
     pub(super) joints: Vec<usize>,
     pub(super) inverse_bind_matrices: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Animation {
+    pub(super) name: Option<Box<str>>,
+    #[serde(default)]
+    pub(super) channels: Box<[Channel]>,
+    #[serde(default)]
+    pub(super) samplers: Box<[KeySampler]>,
+}
+
+/// What of an animation moves one thing.
+#[derive(Debug, Deserialize)]
+pub(super) struct Channel {
+    pub(super) sampler: Option<usize>,
+    #[serde(default)]
+    pub(super) target: Target,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Target {
+    pub(super) node: Option<usize>,
+    #[serde(default)]
+    pub(super) path: Box<str>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct KeySampler {
+    /// Accessor of the keys' times, in seconds.
+    pub(super) input: Option<usize>,
+    /// Accessor of their values.
+    pub(super) output: Option<usize>,
+    pub(super) interpolation: Option<Box<str>>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,38 +1,31 @@
-//! A glTF mesh as one surface: all its primitives that are triangles, morphed and skinned as they are at rest.
+//! A glTF mesh as one surface: all its primitives that are triangles, where they were modelled, and what moves their vertices.
 
 use std::collections::BTreeMap;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use umbrae_core::Surface;
 
 use super::accessor::Accessors;
+use super::deform::Deformation;
 use super::document::{Attributes, Mesh, Primitive};
 use super::texture::{UvSource, add_corner_uvs};
 use crate::warnings::{Warnings, Words};
-
-/// What happens to a mesh's vertices before its node places them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Pose<'a> {
-    /// How much of each morph target is added.
-    pub(super) weights: &'a [f64],
-    /// For each joint, where it takes vertices from the mesh's own space; empty without a skin.
-    pub(super) joints: Vec<DAffine3>,
-}
 
 /// Materials by number, each with its texture coordinates if it has a texture; there is one more for primitives that have none.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Materials<'a>(pub(super) &'a [Option<UvSource>]);
 
-/// The surface of `mesh`; without triangles if none of its primitives has any.
+/// The surface of `mesh`, without triangles if none of its primitives has any, and what moves its vertices: morph targets, and if
+/// `has_skin` joints.
 ///
 /// What is wrong is said in words that fit after "mesh 3: ".
 pub(super) fn surface(
     mesh: &Mesh,
-    pose: &Pose<'_>,
+    has_skin: bool,
     accessors: &Accessors<'_>,
     materials: Materials<'_>,
     warnings: &mut Warnings,
-) -> Result<Surface, String> {
+) -> Result<(Surface, Deformation), String> {
     let mut merged = Merged::default();
     for (index, primitive) in mesh.primitives.iter().enumerate() {
         if let Some(words) = skipped_mode(primitive.mode) {
@@ -40,10 +33,14 @@ pub(super) fn surface(
             continue;
         }
         merged
-            .add(primitive, pose, accessors, materials, warnings)
+            .add((index, primitive), has_skin, accessors, materials, warnings)
             .map_err(|message| format!("primitive {index}: {message}"))?;
     }
-    Ok(merged.surface)
+    let Merged { mut surface, deformation, .. } = merged;
+    if !deformation.is_none() {
+        surface.weld_keys = deformation.weld_keys();
+    }
+    Ok((surface, deformation))
 }
 
 fn skipped_mode(mode: u32) -> Option<Words> {
@@ -58,6 +55,7 @@ fn skipped_mode(mode: u32) -> Option<Words> {
 #[derive(Debug, Default)]
 struct Merged<'a> {
     surface: Surface,
+    deformation: Deformation,
     /// Primitives of different materials often share their vertices: for what makes these, the first and the count.
     blocks: BTreeMap<(&'a Attributes, &'a [Attributes]), (u32, usize)>,
 }
@@ -65,13 +63,13 @@ struct Merged<'a> {
 impl<'a> Merged<'a> {
     fn add(
         &mut self,
-        primitive: &'a Primitive,
-        pose: &Pose<'_>,
+        (index, primitive): (usize, &'a Primitive),
+        has_skin: bool,
         accessors: &Accessors<'_>,
         materials: Materials<'_>,
         warnings: &mut Warnings,
     ) -> Result<(), String> {
-        let (first, vertex_count) = self.vertices(primitive, pose, accessors, warnings)?;
+        let (first, vertex_count) = self.vertices((index, primitive), has_skin, accessors, warnings)?;
         let indices = match primitive.indices {
             Some(accessor) => {
                 let indices = accessors.indices(accessor)?;
@@ -111,8 +109,8 @@ impl<'a> Merged<'a> {
     /// Adds the vertices of a primitive unless they are there already; the first and their count.
     fn vertices(
         &mut self,
-        primitive: &'a Primitive,
-        pose: &Pose<'_>,
+        (index, primitive): (usize, &'a Primitive),
+        has_skin: bool,
         accessors: &Accessors<'_>,
         warnings: &mut Warnings,
     ) -> Result<(u32, usize), String> {
@@ -120,10 +118,12 @@ impl<'a> Merged<'a> {
         if let Some(&block) = self.blocks.get(&key) {
             return Ok(block);
         }
-        let positions = positions(primitive, pose, accessors)?;
+        let position = primitive.attributes.get("POSITION").ok_or("it has no POSITION")?;
+        let positions = accessors.vectors::<3>(*position).map_err(|message| format!("POSITION: {message}"))?;
         let first = self.surface.positions.len();
         let block = (u32::try_from(first).map_err(|_| "there are too many vertices for one mesh")?, positions.len());
-        self.surface.positions.extend(positions.iter().map(|p| p.as_vec3()));
+        self.surface.positions.extend(positions.iter().map(|&p| DVec3::from(p).as_vec3()));
+        self.deformation.add((index, primitive), positions.len(), has_skin, accessors, warnings)?;
 
         let colors = &mut self.surface.vertex_colors;
         if let Some(&accessor) = primitive.attributes.get("COLOR_0") {
@@ -145,66 +145,8 @@ impl<'a> Merged<'a> {
     }
 }
 
-fn check_count(attribute: &str, count: usize, vertices: usize) -> Result<(), String> {
+pub(super) fn check_count(attribute: &str, count: usize, vertices: usize) -> Result<(), String> {
     if count == vertices { Ok(()) } else { Err(format!("{attribute} has {count} elements for {vertices} vertices")) }
-}
-
-/// The positions of a primitive in its pose.
-fn positions(primitive: &Primitive, pose: &Pose<'_>, accessors: &Accessors<'_>) -> Result<Vec<DVec3>, String> {
-    let read = |accessor: usize| -> Result<Vec<DVec3>, String> {
-        let vectors = accessors.vectors(accessor).map_err(|message| format!("POSITION: {message}"))?;
-        Ok(vectors.into_iter().map(|p: [f64; 3]| p.into()).collect())
-    };
-    let accessor = primitive.attributes.get("POSITION").ok_or("it has no POSITION")?;
-    let mut positions = read(*accessor)?;
-    for (&weight, target) in pose.weights.iter().zip(&primitive.targets).filter(|(weight, _)| **weight != 0.0) {
-        let Some(&accessor) = target.get("POSITION") else { continue };
-        let offsets = read(accessor)?;
-        check_count("a morph target", offsets.len(), positions.len())?;
-        for (position, offset) in positions.iter_mut().zip(offsets) {
-            *position += weight * offset;
-        }
-    }
-    if !pose.joints.is_empty() {
-        skin(&mut positions, primitive, &pose.joints, accessors)?;
-    }
-    Ok(positions)
-}
-
-/// Moves each position by the joints that it hangs on.
-fn skin(
-    positions: &mut [DVec3],
-    primitive: &Primitive,
-    joints: &[DAffine3],
-    accessors: &Accessors<'_>,
-) -> Result<(), String> {
-    let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
-    for set in 0.. {
-        let attribute = |name: &str| primitive.attributes.get(&format!("{name}_{set}"));
-        let (Some(&joints_of_vertex), Some(&weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
-        let joints_of_vertex: Vec<[f64; 4]> = accessors.vectors(joints_of_vertex)?;
-        let weights: Vec<[f64; 4]> = accessors.vectors(weights)?;
-        check_count("JOINTS", joints_of_vertex.len(), positions.len())?;
-        check_count("WEIGHTS", weights.len(), positions.len())?;
-        for (v, (sum, total)) in sums.iter_mut().enumerate() {
-            for (&joint, &weight) in joints_of_vertex[v].iter().zip(&weights[v]).filter(|(_, weight)| **weight != 0.0) {
-                let moved = joints
-                    .get(joint as usize)
-                    .ok_or_else(|| format!("vertex {v} hangs on joint {joint}, but its skin has {}", joints.len()))?
-                    .transform_point3(positions[v]);
-                *sum += weight * moved;
-                *total += weight;
-            }
-        }
-    }
-    for (v, (position, (sum, total))) in positions.iter_mut().zip(sums).enumerate() {
-        if total == 0.0 {
-            return Err(format!("vertex {v} hangs on no joint"));
-        }
-        // The weights should add up to 1; rounding as bytes leaves a little.
-        *position = sum / total;
-    }
-    Ok(())
 }
 
 /// Adds the triangles of `indices` with `first` added; gives the number of indices that make no triangle.

@@ -5,21 +5,34 @@
 //!   document     the JSON                            -> what the file says
 //!   accessor     both, and a budget                  -> checked numbers
 //!   node         the tree of the scene               -> transforms in f64
-//!   mesh, skin   primitives, morphs, joints at rest  -> one surface for each mesh
+//!   mesh         primitives                          -> one surface for each mesh
+//!   deform       morph targets, joints of vertices   -> what moves the vertices of a mesh
+//!   skin         joints                              -> a transform for each
+//!   shape        both                                -> what objects that show a mesh share, and where they are
 //!   appearance   materials, lights, cameras
 //!   texture      pictures, and where on them corners are
+//!   animation    channels, and keys with `sampler`   -> what moves nodes
+//!   rig          all of it                           -> the scene at a moment
 //! ```
 //!
-//! A mesh stays in its own space and is shared by all nodes that show it as it is; its nodes' transforms carry the
-//! turn from y up to z up, and the origin. What the file means to move is drawn at rest.
+//! A mesh stays in its own space, where it was modelled, and is shared by all nodes that show it; its nodes' transforms carry the turn
+//! from y up to z up, and the origin. Morph weights and joints are poses of the objects that show it; a model that was loaded is at rest.
+//!
+//! The space of an object with a skin is the root space of the file, in which glTF places joints: its pose takes the mesh there, and
+//! [`Object::world_from_object`] is the turn and the origin (and an instance's transform), whatever moves.
 
 mod accessor;
+mod animation;
 mod appearance;
 mod budget;
 mod container;
+mod deform;
 mod document;
 mod mesh;
 mod node;
+mod rig;
+mod sampler;
+mod shape;
 mod skin;
 mod texture;
 
@@ -27,21 +40,27 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use umbrae_core::{Bounds, Light, Material, Mesh, NamedCamera, Object, Scene};
+use umbrae_core::{Bounds, Light, Material, Mesh, NamedCamera, Object, Pose, Scene};
 
+use crate::animation::NOT_PLAYED;
 use crate::error::{Problem, quoted};
 use crate::load::Context;
-use crate::place::{MAX_COORDINATE, OBJECT_SKIPPED, is_in_range, origin_of};
+use crate::place::{OBJECT_SKIPPED, origin_of};
 use crate::warnings::Warnings;
-use crate::{Format, Model, UpAxis};
+use crate::{Animations, Format, Model, UpAxis};
 
 use accessor::Accessors;
 use container::{Buffers, Chunks};
+use deform::HighestJoint;
 use document::{Document, Instancing, Node};
-use mesh::{Materials, Pose};
+use mesh::Materials;
 use node::{Tree, is_usable, rotation_of};
+use rig::{Cast, MovingObject, Nodes, PlacedSkin, Shown, scene_from_file};
+use shape::{Placement, Reach, Shape, morph_weights};
 use skin::Skin;
 use texture::{Textures, UvSource};
+
+pub(crate) use rig::Rig;
 
 /// Reads a glTF or GLB file, and the buffers beside it.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
@@ -56,12 +75,16 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     let accessors = Accessors::new(&document, buffers, bytes.len());
     let looks = appearance::materials(&document, Textures::new(&document, &accessors, context.folder), &mut warnings);
     let tree = Tree::walk(&document)?;
+    let clips = animation::clips(&document, &accessors, &tree, &mut warnings);
+    let nodes = Nodes::new(&clips, &document, &tree);
     let mut stage = Stage {
         document: &document,
         accessors: &accessors,
         uv_sources: looks.uv_sources,
         tree: &tree,
+        cast: Cast { clips, nodes, ..Cast::default() },
         shapes: BTreeMap::new(),
+        skins: BTreeMap::new(),
         bounds: Bounds::EMPTY,
         triangles_shown: 0,
         first_problem: None,
@@ -73,14 +96,14 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     for (index, world_from_node) in &tree.nodes {
         stage.show_node(*index, *world_from_node);
     }
-    let animations =
-        ["animation is not played: the model is at rest", "animations are not played: the model is at rest"];
-    stage.warnings.add(document.animations.len(), animations);
+    stage.warnings.add(document.animations.len(), NOT_PLAYED);
     if stage.scene.objects.is_empty() {
         return Err(stage.nothing_shown());
     }
     stage.move_to_origin();
-    Ok(Model { scene: stage.scene, format: Format::Gltf, up: UpAxis::Y, warnings: stage.warnings.finish() })
+    let (scene, cast, warnings) = (stage.scene, stage.cast, stage.warnings.finish());
+    let rig = Rig::new(cast, document.cameras, document.extensions.punctual.lights, scene.origin);
+    Ok(Model { scene, format: Format::Gltf, up: UpAxis::Y, warnings, animations: Animations::new(rig) })
 }
 
 /// Those without which shapes can't be read at all.
@@ -115,14 +138,10 @@ fn check_extensions(document: &Document, warnings: &mut Warnings) -> Result<(), 
 const MAX_TRIANGLES_SHOWN: usize = 1 << 26;
 
 /// What an object is charged as, see `budget`.
-const NUMBERS_OF_OBJECT: usize = 32;
+const NUMBERS_OF_OBJECT: usize = 64;
 
-/// A mesh and the box around it, in its own space.
-#[derive(Debug, Clone)]
-struct Shape {
-    mesh: Arc<Mesh>,
-    bounds: Bounds,
-}
+/// A transform takes as much memory as this many of the numbers that are charged.
+const NUMBERS_OF_JOINT: usize = 24;
 
 /// The scene while its nodes are walked; in scene axes, not yet about its origin.
 struct Stage<'a> {
@@ -131,8 +150,10 @@ struct Stage<'a> {
     /// For each material of the file.
     uv_sources: Vec<Option<UvSource>>,
     tree: &'a Tree,
-    /// Those shown as they are; `None` for one without triangles, and what is wrong with one that can't be used.
-    shapes: BTreeMap<usize, Result<Option<Shape>, Problem>>,
+    cast: Cast,
+    /// By mesh, and whether its vertices hang on joints; `None` for one without triangles, and what is wrong with one that can't be used.
+    shapes: BTreeMap<(usize, bool), Result<Option<Shape>, Problem>>,
+    skins: BTreeMap<usize, Result<Arc<PlacedSkin>, String>>,
     /// Holds all objects.
     bounds: Bounds,
     triangles_shown: usize,
@@ -141,22 +162,44 @@ struct Stage<'a> {
     warnings: Warnings,
 }
 
+/// What a node shows, in one place or as many instances.
+struct Actor<'a> {
+    /// The file's number.
+    node: usize,
+    shape: Shape,
+    skin: Option<Arc<PlacedSkin>>,
+    /// Of the morph targets.
+    weights: &'a [f64],
+    /// In scene axes, not yet about the scene's origin.
+    world_from_object: DAffine3,
+    /// Whether an animation moves it.
+    is_moving: bool,
+}
+
 impl Stage<'_> {
     fn show_node(&mut self, index: usize, world_from_node: DAffine3) {
         let node = &self.document.nodes[index];
-        let world_from_node = DAffine3::from_mat3(UpAxis::Y.scene_from_file()) * world_from_node;
+        let world_from_node = scene_from_file() * world_from_node;
         if let Some(mesh) = node.mesh
             && let Err(problem) = self.show_mesh(index, node, mesh as usize, world_from_node)
         {
             self.skip_object(problem);
         }
         if let Some(camera) = node.camera {
-            let shown = self.camera(node, camera as usize, &world_from_node);
-            self.scene.cameras.extend(shown);
+            let in_file = camera as usize;
+            if let Some(camera) = self.camera(node, in_file, &world_from_node) {
+                let shown = Shown { in_scene: self.scene.cameras.len(), in_file, node: index };
+                self.cast.cameras.extend(Some(shown).filter(|_| self.cast.nodes.has(index)));
+                self.scene.cameras.push(camera);
+            }
         }
         if let Some(light) = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref()) {
-            let shown = self.light(node, light.light, &world_from_node);
-            self.scene.lights.extend(shown);
+            let in_file = light.light;
+            if let Some(light) = self.light(node, in_file, &world_from_node) {
+                let shown = Shown { in_scene: self.scene.lights.len(), in_file, node: index };
+                self.cast.lights.extend(Some(shown).filter(|_| self.cast.nodes.has(index)));
+                self.scene.lights.push(light);
+            }
         }
     }
 
@@ -200,88 +243,128 @@ impl Stage<'_> {
             return Err(in_node(format!("its mesh is {mesh_index}, but there are {}", self.document.meshes.len())));
         };
         let name = name_of(node, source.name.as_deref(), "mesh", mesh_index);
-        let (shape, world_from_shape) = match self.skinned(node, mesh_index) {
-            Some(skinned) => skinned,
-            None if node.weights.is_some() => (
-                self.read_shape(mesh_index, &Pose { weights: weights(node, source), ..Pose::default() })?,
-                world_from_node,
-            ),
-            None => (self.shared_shape(mesh_index)?, world_from_node),
+        let (shape, skin) = match self.skinned(node, mesh_index) {
+            Some((shape, skin)) => (shape, Some(skin)),
+            None => (self.shape(mesh_index, false)?, None),
         };
         let Some(shape) = shape else { return Ok(()) };
+        let actor = Actor {
+            node: index,
+            // As glTF says, the joints alone place a mesh with a skin: the node's own transform has no effect.
+            world_from_object: if skin.is_some() { scene_from_file() } else { world_from_node },
+            is_moving: self.cast.nodes.has(index) || skin.as_ref().is_some_and(|skin| skin.is_moving),
+            weights: node.weights.as_deref().unwrap_or(&source.weights),
+            shape,
+            skin,
+        };
         let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
-        let Some(instancing) = instancing else { return self.show(name, &shape, world_from_shape).map_err(in_node) };
+        let Some(instancing) = instancing else { return self.show(name, &actor, None).map_err(in_node) };
         let instances = self.instances(instancing).map_err(|message| in_node(format!("its instances: {message}")))?;
         for (i, world_from_instance) in instances.into_iter().enumerate() {
-            let shown = self.show(format!("{name} {i}"), &shape, world_from_shape * world_from_instance);
-            if let Err(message) = shown {
+            if let Err(message) = self.show(format!("{name} {i}"), &actor, Some(world_from_instance)) {
                 self.skip_object(in_node(format!("instance {i}: {message}")));
             }
         }
         Ok(())
     }
 
-    fn show(&mut self, name: String, shape: &Shape, world_from_object: DAffine3) -> Result<(), String> {
-        if !is_usable(&world_from_object) {
-            return Err("its transform can't be used: a number in it is not finite, or its scale is 0".to_owned());
+    /// Adds an object at rest, and what moves it.
+    fn show(&mut self, name: String, actor: &Actor<'_>, instance: Option<DAffine3>) -> Result<(), String> {
+        let Actor { node, shape, skin, weights, is_moving, .. } = actor;
+        let world_from_object = instance.map_or(actor.world_from_object, |instance| actor.world_from_object * instance);
+        // What an animation moves may come out of nothing.
+        let has_place = if *is_moving { world_from_object.is_finite() } else { is_usable(&world_from_object) };
+        if !has_place {
+            return Err(shape::TRANSFORM.to_owned());
         }
-        // A mesh turned with its box stays inside; looking at every vertex of every instance could take forever.
-        let corners = shape.bounds.corners().map(|corner| world_from_object.transform_point3(corner));
-        if let Some(far) = corners.iter().find(|corner| !is_in_range(**corner)) {
-            return Err(format!("its transform takes it to {far}; coordinates must be below {MAX_COORDINATE:e}"));
-        }
-        let shown = self.triangles_shown + shape.mesh.triangles().len();
-        if shown > MAX_TRIANGLES_SHOWN {
+        let triangles_shown = self.triangles_shown + shape.mesh.triangles().len();
+        if triangles_shown > MAX_TRIANGLES_SHOWN {
             return Err(format!("with it, the scene would have more than {MAX_TRIANGLES_SHOWN} triangles"));
         }
-        self.triangles_shown = shown;
-        self.bounds = self.bounds.union(Bounds::of_points(corners));
-        self.scene.objects.push(Object::new(name, shape.mesh.clone(), world_from_object));
+        // Twice: the object has them, and so has what moves it.
+        let target_count = shape.deformer.as_ref().map_or(0, |deformer| deformer.morph_offsets.len());
+        let rest_joints = skin.as_ref().map_or(&[][..], |skin| &skin.rest);
+        self.accessors.charge(2, target_count + NUMBERS_OF_JOINT * rest_joints.len())?;
+        let placement = Placement {
+            world_from_object,
+            morph_weights: morph_weights(weights.iter().copied(), target_count),
+            joints: rest_joints.to_vec(),
+        };
+        self.bounds = self.bounds.union(placement.bounds(&shape.reach)?);
+        self.triangles_shown = triangles_shown;
+        let Placement { morph_weights, joints, .. } = placement;
+        self.cast.objects.extend(is_moving.then(|| MovingObject {
+            object: self.scene.objects.len(),
+            node: *node,
+            instance,
+            skin: skin.clone(),
+            reach: shape.reach.clone(),
+            rest_weights: morph_weights.clone(),
+        }));
+        let pose = shape.deformer.clone().map(|deformer| Pose { deformer, morph_weights, joints });
+        self.scene.objects.push(Object { pose, ..Object::new(name, shape.mesh.clone(), world_from_object) });
         Ok(())
     }
 
-    /// The shape of a node with a skin, at rest, and where it is; `None` if it has no skin that can be used.
-    ///
-    /// As glTF says, the joints alone place it: the node's own transform has no effect.
-    fn skinned(&mut self, node: &Node, mesh_index: usize) -> Option<(Option<Shape>, DAffine3)> {
+    /// The shape of a node with a skin, and the skin; `None` if it has no skin that can be used.
+    fn skinned(&mut self, node: &Node, mesh_index: usize) -> Option<(Option<Shape>, Arc<PlacedSkin>)> {
         let skin_index = node.skin? as usize;
-        let skin = Skin::read(skin_index, self.document, self.accessors, self.tree);
-        let posed = skin.map_err(|message| Problem::in_part("skin", skin_index, None, message)).and_then(|skin| {
-            let weights = weights(node, &self.document.meshes[mesh_index]);
-            let shape = self.read_shape(mesh_index, &Pose { weights, joints: skin.posed_from_mesh })?;
-            Ok((shape, DAffine3::from_mat3(UpAxis::Y.scene_from_file()) * skin.world_from_posed))
+        let skin = self.skin(skin_index).map_err(|message| Problem::in_part("skin", skin_index, None, message));
+        let shown = skin.and_then(|skin| Ok((self.shape(mesh_index, true)?, skin))).and_then(|(shape, skin)| {
+            let count = skin.rest.len();
+            let highest = shape.as_ref().and_then(|shape| shape.highest_joint);
+            let Some(highest) = highest.filter(|highest| highest.joint as usize >= count) else {
+                return Ok((shape, skin));
+            };
+            let HighestJoint { joint, primitive, vertex } = highest;
+            let message =
+                format!("primitive {primitive}: vertex {vertex} hangs on joint {joint}, but its skin has {count}");
+            let name = self.document.meshes[mesh_index].name.as_deref();
+            Err(Problem::in_part("mesh", mesh_index, name, message))
         });
-        if let Err(problem) = &posed {
+        if let Err(problem) = &shown {
             let words = [
                 "skin can't be used, so its mesh is as it was modelled",
                 "skins can't be used, so their meshes are as they were modelled",
             ];
             self.warnings.add_one(words, || problem.to_string());
         }
-        posed.ok()
+        shown.ok()
     }
 
-    fn shared_shape(&mut self, mesh_index: usize) -> Result<Option<Shape>, Problem> {
-        if let Some(shape) = self.shapes.get(&mesh_index) {
-            return shape.clone();
-        }
-        let weights = &self.document.meshes[mesh_index].weights;
-        let shape = self.read_shape(mesh_index, &Pose { weights, ..Pose::default() });
-        self.shapes.insert(mesh_index, shape.clone());
-        shape
+    fn skin(&mut self, index: usize) -> Result<Arc<PlacedSkin>, String> {
+        let (document, accessors, tree, nodes) = (self.document, self.accessors, self.tree, &self.cast.nodes);
+        let read = || {
+            Skin::read(index, document, accessors, tree)
+                .and_then(|skin| PlacedSkin::new(skin, tree, nodes))
+                .map(Arc::new)
+        };
+        self.skins.entry(index).or_insert_with(read).clone()
     }
 
     /// A mesh that exists; `None` if it has no triangles but only points or lines.
-    fn read_shape(&mut self, mesh_index: usize, pose: &Pose<'_>) -> Result<Option<Shape>, Problem> {
+    fn shape(&mut self, mesh_index: usize, has_skin: bool) -> Result<Option<Shape>, Problem> {
+        if let Some(shape) = self.shapes.get(&(mesh_index, has_skin)) {
+            return shape.clone();
+        }
+        let shape = self.read_shape(mesh_index, has_skin);
+        self.shapes.insert((mesh_index, has_skin), shape.clone());
+        shape
+    }
+
+    fn read_shape(&mut self, mesh_index: usize, has_skin: bool) -> Result<Option<Shape>, Problem> {
         let source = &self.document.meshes[mesh_index];
         let in_mesh = |message: String| Problem::in_part("mesh", mesh_index, source.name.as_deref(), message);
         let materials = Materials(&self.uv_sources);
-        let surface = mesh::surface(source, pose, self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
+        let (surface, deformation) =
+            mesh::surface(source, has_skin, self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
         if surface.triangles.is_empty() {
             return Ok(None);
         }
         let mesh = Mesh::new(surface).map_err(|error| in_mesh(error.to_string()))?;
-        Ok(Some(Shape { bounds: mesh.bounds(), mesh: Arc::new(mesh) }))
+        let deformer = (!deformation.is_none()).then(|| Arc::new(deformation.of_mesh(&mesh)));
+        let reach = Arc::new(Reach::new(&mesh, deformer.as_deref()));
+        Ok(Some(Shape { mesh: Arc::new(mesh), deformer, highest_joint: deformation.highest_joint, reach }))
     }
 
     /// Where the instances of a node are, seen from it.
@@ -345,16 +428,13 @@ impl Stage<'_> {
     }
 }
 
-/// The node's own morph weights, else the mesh's.
-fn weights<'a>(node: &'a Node, mesh: &'a document::Mesh) -> &'a [f64] {
-    node.weights.as_deref().unwrap_or(&mesh.weights)
-}
-
 /// The node's name, else that of what it shows, else "mesh 3".
 fn name_of(node: &Node, own: Option<&str>, what: &str, index: usize) -> String {
     let names = [node.name.as_deref(), own];
     names.into_iter().flatten().find(|name| !name.is_empty()).map_or_else(|| format!("{what} {index}"), str::to_owned)
 }
 
+#[cfg(test)]
+mod animation_tests;
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,8 @@ use crate::error::Problem;
 pub(super) struct Tree {
     /// Each with its transform, in the file's axes; not finite where the file's can't be used.
     pub(super) nodes: Vec<(usize, DAffine3)>,
+    /// For each of `nodes` the place of its parent among them, or [`NOT_IN_SCENE`] for a root.
+    parents: Vec<u32>,
     /// For each node of the file its place in `nodes`, or [`NOT_IN_SCENE`].
     place_of_node: Vec<u32>,
 }
@@ -19,7 +21,8 @@ const NOT_IN_SCENE: u32 = u32::MAX;
 impl Tree {
     /// Walks the default scene; without a default the first; without scenes all nodes that are no one's child.
     pub(super) fn walk(document: &Document) -> Result<Self, Problem> {
-        let mut tree = Self { nodes: Vec::new(), place_of_node: vec![NOT_IN_SCENE; document.nodes.len()] };
+        let place_of_node = vec![NOT_IN_SCENE; document.nodes.len()];
+        let mut tree = Self { nodes: Vec::new(), parents: Vec::new(), place_of_node };
         // A stack of our own: a file may nest nodes as deep as it is long. `None` above the roots.
         let mut waiting: Vec<(usize, Option<usize>)> =
             roots(document)?.into_iter().rev().map(|root| (root, None)).collect();
@@ -37,19 +40,32 @@ impl Tree {
             if tree.place_of_node[index] != NOT_IN_SCENE {
                 return Err(problem("which already has a place; nodes must form a tree, without cycles"));
             }
-            let world_from_parent =
-                parent.map_or(DAffine3::IDENTITY, |parent| tree.nodes[tree.place_of_node[parent] as usize].1);
+            let parent_place = parent.map_or(NOT_IN_SCENE, |parent| tree.place_of_node[parent]);
+            let world_from_parent = tree
+                .nodes
+                .get(parent_place as usize)
+                .map_or(DAffine3::IDENTITY, |(_, world_from_parent)| *world_from_parent);
             tree.place_of_node[index] = tree.nodes.len() as u32;
-            tree.nodes.push((index, world_from_parent * parent_from_node(node)));
+            tree.parents.push(parent_place);
+            tree.nodes.push((index, world_from_parent * Local::of_node(node).parent_from_node()));
             waiting.extend(node.children.iter().rev().map(|&child| (child, Some(index))));
         }
         Ok(tree)
     }
 
+    /// The place of a node in `nodes`, if it is in the scene.
+    pub(super) fn place_of_node(&self, node: usize) -> Option<usize> {
+        self.place_of_node.get(node).filter(|&&place| place != NOT_IN_SCENE).map(|&place| place as usize)
+    }
+
+    /// The place of the parent of the node at `place`; `None` for a root.
+    pub(super) fn parent(&self, place: usize) -> Option<usize> {
+        Some(self.parents[place]).filter(|&parent| parent != NOT_IN_SCENE).map(|parent| parent as usize)
+    }
+
     /// Where a node is, if it is in the scene.
     pub(super) fn world_from_node(&self, node: usize) -> Option<DAffine3> {
-        let place = *self.place_of_node.get(node)?;
-        self.nodes.get(place as usize).map(|(_, world_from_node)| *world_from_node)
+        self.place_of_node(node).map(|place| self.nodes[place].1)
     }
 }
 
@@ -70,14 +86,41 @@ fn roots(document: &Document) -> Result<Vec<usize>, Problem> {
     Ok(roots.nodes.clone())
 }
 
-fn parent_from_node(node: &Node) -> DAffine3 {
-    if let Some(matrix) = &node.matrix {
-        return affine(&DMat4::from_cols_array(matrix)).unwrap_or(UNUSABLE);
+/// Where a node is in its parent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Local {
+    /// A matrix, which no animation changes.
+    Matrix(DAffine3),
+    /// A scale, then a rotation, then a translation, each of which an animation may replace.
+    Parts {
+        scale: DVec3,
+        /// `None` if the file's is none.
+        rotation: Option<DQuat>,
+        translation: DVec3,
+    },
+}
+
+impl Local {
+    /// As the file says.
+    pub(super) fn of_node(node: &Node) -> Self {
+        if let Some(matrix) = &node.matrix {
+            return Self::Matrix(affine(&DMat4::from_cols_array(matrix)).unwrap_or(UNUSABLE));
+        }
+        Self::Parts {
+            scale: node.scale.as_deref().map_or(DVec3::ONE, |&scale| scale.into()),
+            rotation: node.rotation.as_deref().map_or(Some(DQuat::IDENTITY), |&rotation| rotation_of(rotation)),
+            translation: node.translation.as_deref().map_or(DVec3::ZERO, |&translation| translation.into()),
+        }
     }
-    let rotation = node.rotation.as_deref().map_or(Some(DQuat::IDENTITY), |&rotation| rotation_of(rotation));
-    let scale = node.scale.as_deref().map_or(DVec3::ONE, |&scale| scale.into());
-    let translation = node.translation.as_deref().map_or(DVec3::ZERO, |&translation| translation.into());
-    rotation.map_or(UNUSABLE, |rotation| DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+
+    /// Not finite where the file's numbers can't be used.
+    pub(super) fn parent_from_node(self) -> DAffine3 {
+        match self {
+            Self::Matrix(matrix) => matrix,
+            Self::Parts { scale, rotation, translation } => rotation
+                .map_or(UNUSABLE, |rotation| DAffine3::from_scale_rotation_translation(scale, rotation, translation)),
+        }
+    }
 }
 
 const UNUSABLE: DAffine3 = DAffine3::NAN;

@@ -1,18 +1,18 @@
-//! Where the joints of a skin are when nothing moves.
+//! Skins: the joints that a mesh hangs on.
 
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine3, DMat4};
 
 use super::accessor::Accessors;
 use super::document::Document;
 use super::node::{Tree, affine};
 
-/// A skin at rest.
+/// A skin; all its joints are in the scene.
 #[derive(Debug)]
 pub(super) struct Skin {
-    /// Where the posed mesh is placed: a mere translation, so that its positions stay small numbers.
-    pub(super) world_from_posed: DAffine3,
-    /// For each joint, where it takes vertices from the mesh's own space to the posed one's.
-    pub(super) posed_from_mesh: Vec<DAffine3>,
+    /// Index into the file's nodes, of each joint.
+    pub(super) joints: Vec<usize>,
+    /// For each joint, where a vertex of the mesh is seen from it when nothing is bent.
+    pub(super) joint_from_mesh: Vec<DAffine3>,
 }
 
 impl Skin {
@@ -25,10 +25,10 @@ impl Skin {
     ) -> Result<Self, String> {
         let skins = &document.skins;
         let skin = skins.get(index).ok_or_else(|| format!("it does not exist; there are {}", skins.len()))?;
-        let world_from_joint = |&joint: &usize| {
-            tree.world_from_node(joint).ok_or_else(|| format!("its joint, node {joint}, is not in the scene"))
-        };
-        let joints: Vec<DAffine3> = skin.joints.iter().map(world_from_joint).collect::<Result<_, _>>()?;
+        let joints = skin.joints.clone();
+        if let Some(joint) = joints.iter().find(|&&joint| tree.place_of_node(joint).is_none()) {
+            return Err(format!("its joint, node {joint}, is not in the scene"));
+        }
         let binds = match skin.inverse_bind_matrices {
             Some(accessor) => accessors.vectors(accessor)?,
             None => {
@@ -39,21 +39,25 @@ impl Skin {
         if joints.is_empty() || binds.len() < joints.len() {
             return Err(format!("it has {} joints and {} inverse bind matrices", joints.len(), binds.len()));
         }
-        let first = joints.first().map_or(DVec3::ZERO, |joint| joint.translation);
-        let world_from_mesh = |(joint, (world_from_joint, bind)): (usize, (&DAffine3, &[f64; 16]))| {
-            let joint_from_mesh = affine(&DMat4::from_cols_array(bind));
-            let world_from_mesh = joint_from_mesh.map(|joint_from_mesh| *world_from_joint * joint_from_mesh);
-            world_from_mesh
-                .filter(DAffine3::is_finite)
-                .ok_or_else(|| format!("the transform of joint {joint} can't be used"))
+        let transform = |(joint, bind): (usize, &[f64; 16])| {
+            let joint_from_mesh = affine(&DMat4::from_cols_array(bind)).filter(DAffine3::is_finite);
+            joint_from_mesh.ok_or_else(|| unusable(joint))
         };
-        let to_posed = DAffine3::from_translation(-first);
-        let posed_from_mesh = joints
-            .iter()
-            .zip(&binds)
-            .enumerate()
-            .map(|joint| world_from_mesh(joint).map(|world_from_mesh| to_posed * world_from_mesh))
-            .collect::<Result<_, _>>()?;
-        Ok(Self { world_from_posed: DAffine3::from_translation(first), posed_from_mesh })
+        let joint_from_mesh = binds.iter().take(joints.len()).enumerate().map(transform).collect::<Result<_, _>>()?;
+        Ok(Self { joints, joint_from_mesh })
     }
+
+    /// For each joint where it takes vertices from rest, in the file's root space, when the joints are where `world_from_node` says.
+    ///
+    /// What is wrong is said in words that fit after "skin 3: ".
+    pub(super) fn pose(&self, world_from_node: impl Fn(usize) -> DAffine3) -> Result<Vec<DAffine3>, String> {
+        let world_from_mesh = |(joint, (&node, bind)): (usize, (&usize, &DAffine3))| {
+            Some(world_from_node(node) * *bind).filter(DAffine3::is_finite).ok_or_else(|| unusable(joint))
+        };
+        self.joints.iter().zip(&self.joint_from_mesh).enumerate().map(world_from_mesh).collect()
+    }
+}
+
+fn unusable(joint: usize) -> String {
+    format!("the transform of joint {joint} can't be used")
 }

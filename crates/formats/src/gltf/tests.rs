@@ -1,21 +1,24 @@
+use std::sync::Arc;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::{Value, json};
+use umbrae_core::Object;
 
 use umbrae_core::{AlphaMode, Wrap};
 
 use crate::{Format, LoadError, LoadOptions, Model, UpAxis, load_bytes};
 
 /// A glTF file in the making: one buffer, in a data URI.
-struct Builder {
-    json: Value,
+pub(super) struct Builder {
+    pub(super) json: Value,
     bytes: Vec<u8>,
 }
 
 const FLOAT: u32 = 5126;
-const UBYTE: u32 = 5121;
-const SHORT: u32 = 5122;
+pub(super) const UBYTE: u32 = 5121;
+pub(super) const SHORT: u32 = 5122;
 
 impl Builder {
     fn new() -> Self {
@@ -23,7 +26,7 @@ impl Builder {
         Self { json, bytes: Vec::new() }
     }
 
-    fn push(&mut self, list: &str, value: Value) -> usize {
+    pub(super) fn push(&mut self, list: &str, value: Value) -> usize {
         let list = self.json[list].as_array_mut().expect("a list of the file");
         list.push(value);
         list.len() - 1
@@ -35,12 +38,12 @@ impl Builder {
         self.push("bufferViews", view)
     }
 
-    fn accessor(&mut self, shape: &str, kind: u32, count: usize, bytes: &[u8]) -> usize {
+    pub(super) fn accessor(&mut self, shape: &str, kind: u32, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
         self.push("accessors", json!({"bufferView": view, "componentType": kind, "count": count, "type": shape}))
     }
 
-    fn floats(&mut self, shape: &str, width: usize, values: &[f32]) -> usize {
+    pub(super) fn floats(&mut self, shape: &str, width: usize, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(shape, FLOAT, values.len() / width, &bytes)
     }
@@ -50,18 +53,18 @@ impl Builder {
         self.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     }
 
-    fn text(&self) -> Vec<u8> {
+    pub(super) fn text(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
         json["buffers"] = json!([{"byteLength": self.bytes.len(), "uri": uri}]);
         json.to_string().into_bytes()
     }
 
-    fn read(&self) -> Result<Model, LoadError> {
+    pub(super) fn read(&self) -> Result<Model, LoadError> {
         load_bytes(&self.text(), Format::Gltf, "model.gltf", None, &LoadOptions::default())
     }
 
-    fn model(&self) -> Model {
+    pub(super) fn model(&self) -> Model {
         self.read().expect("a good file")
     }
 
@@ -71,25 +74,24 @@ impl Builder {
 }
 
 /// One triangle, shown by node 0.
-fn one_triangle() -> Builder {
+pub(super) fn one_triangle() -> Builder {
     let mut builder = Builder::new();
     let position = builder.triangle();
     builder.json["meshes"] = json!([{"name": "tri", "primitives": [{"attributes": {"POSITION": position}}]}]);
     builder
 }
 
-fn warnings(model: &Model) -> Vec<String> {
+pub(super) fn warnings(model: &Model) -> Vec<String> {
     model.warnings.iter().map(ToString::to_string).collect()
 }
 
 /// Where the object's vertices are, in the model's own coordinates.
-fn world(model: &Model, object: usize) -> Vec<DVec3> {
+pub(super) fn world(model: &Model, object: usize) -> Vec<DVec3> {
     let object = &model.scene.objects[object];
-    let place = |p: &Vec3| object.world_from_object.transform_point3(p.as_dvec3()) + model.scene.origin;
-    object.mesh.positions().iter().map(place).collect()
+    object.positions().map(|p| p + model.scene.origin).collect()
 }
 
-fn assert_near(actual: &[DVec3], expected: &[[f64; 3]]) {
+pub(super) fn assert_near(actual: &[DVec3], expected: &[[f64; 3]]) {
     assert_eq!(actual.len(), expected.len());
     for (a, e) in actual.iter().zip(expected) {
         assert!((*a - DVec3::from(*e)).length() < 1e-6, "{actual:?} is not {expected:?}");
@@ -140,7 +142,7 @@ fn nodes_that_show_one_mesh_share_it() {
     let mut builder = one_triangle();
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}]);
     let objects = builder.model().scene.objects;
-    assert!(std::sync::Arc::ptr_eq(&objects[0].mesh, &objects[1].mesh));
+    assert!(Arc::ptr_eq(&objects[0].mesh, &objects[1].mesh));
 }
 
 #[test]
@@ -337,13 +339,19 @@ fn morph_targets_add_what_their_weights_say_and_a_nodes_weights_win() {
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "weights": [2]}]);
     builder.json["animations"] = json!([{"channels": [], "samplers": []}]);
     let model = builder.model();
-    let depths: Vec<f32> = model.scene.objects.iter().map(|object| object.mesh.positions()[0].z).collect();
-    assert_eq!(depths, [1.0, 4.0]);
-    assert_eq!(warnings(&model), ["1 animation is not played: the model is at rest"]);
+    assert_eq!([0, 1].map(|object| world(&model, object)[0]), [DVec3::NEG_Y, DVec3::NEG_Y * 4.0]);
+    let [first, second] = model.scene.objects.as_slice() else { panic!("two objects") };
+    assert!(Arc::ptr_eq(&first.mesh, &second.mesh), "one mesh in two poses");
+    let deformer = |object: &Object| object.pose.as_ref().expect("it is posed").deformer.clone();
+    assert!(Arc::ptr_eq(&deformer(first), &deformer(second)));
+    assert_eq!(
+        warnings(&model),
+        ["1 animation is not played: the model is at rest; use --time SECONDS to see it at a moment"]
+    );
 }
 
 /// A triangle whose first corner hangs on joint 0 and whose others hang half on each.
-fn skinned() -> Builder {
+pub(super) fn skinned() -> Builder {
     let mut builder = one_triangle();
     let joints = builder.accessor("VEC4", UBYTE, 3, &[0, 1, 0, 0].repeat(3));
     let weights = builder.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0]);
@@ -615,11 +623,12 @@ fn primitives_with_and_without_textures_share_a_mesh() {
 fn alpha_means_what_its_mode_says() {
     let mut builder = one_triangle();
     let transmission = |factor: f64| json!({"KHR_materials_transmission": {"transmissionFactor": factor}});
+    let quarter = json!({"baseColorFactor": [1, 1, 1, 0.25]});
     builder.json["materials"] = json!([
-        {"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]}},
-        {"name": "leaf", "alphaMode": "MASK"},
-        {"alphaMode": "MASK", "alphaCutoff": 0.125},
-        {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]}},
+        {"pbrMetallicRoughness": quarter},
+        {"name": "leaf", "alphaMode": "MASK", "pbrMetallicRoughness": quarter},
+        {"alphaMode": "MASK", "alphaCutoff": 0.375, "pbrMetallicRoughness": quarter},
+        {"alphaMode": "BLEND", "pbrMetallicRoughness": quarter},
         {"name": "pane", "extensions": transmission(1.0)},
         {"extensions": transmission(0.0)},
     ]);
@@ -627,7 +636,7 @@ fn alpha_means_what_its_mode_says() {
     let modes: Vec<AlphaMode> = model.scene.materials.iter().map(|material| material.alpha_mode).collect();
     let cut = |cutoff: f32| AlphaMode::Mask { cutoff };
     use AlphaMode::{Blend, Opaque};
-    assert_eq!(modes, [Opaque, cut(0.5), cut(0.125), Blend, Blend, Opaque, Opaque]);
+    assert_eq!(modes, [Opaque, cut(0.5), cut(0.375), Blend, Blend, Opaque, Opaque]);
     assert_eq!(model.scene.materials[3].alpha, 0.25);
     assert!((model.scene.materials[4].alpha - 0.3).abs() < 1e-6);
     assert_eq!(
@@ -637,4 +646,31 @@ fn alpha_means_what_its_mode_says() {
             "1 transmitting material is drawn as plain glass (first: \"pane\")",
         ]
     );
+}
+
+#[test]
+fn a_material_that_is_whole_everywhere_is_opaque_whatever_it_says() {
+    for (alpha, is_whole) in [(255, true), (254, false)] {
+        let mut builder = one_textured_triangle(&json!({"index": 0}));
+        let picture = image::RgbaImage::from_vec(2, 1, vec![9, 9, 9, 255, 9, 9, 9, alpha]).expect("two texels");
+        let mut png = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut png, image::ImageFormat::Png).expect("memory takes it");
+        let view = builder.view(&png.into_inner());
+        builder.json["images"] = json!([{"bufferView": view}]);
+        let material = |mode: &str, cutoff: f32| {
+            let texture = json!({"baseColorTexture": {"index": 0}});
+            json!({"alphaMode": mode, "alphaCutoff": cutoff, "pbrMetallicRoughness": texture})
+        };
+        builder.json["materials"] = json!([material("BLEND", 0.5), material("MASK", 0.5), material("MASK", 1.0)]);
+        let modes: Vec<AlphaMode> = builder.model().scene.materials.iter().map(|m| m.alpha_mode).collect();
+        let expected = if is_whole {
+            [AlphaMode::Opaque; 3]
+        } else {
+            [AlphaMode::Blend, AlphaMode::Opaque, AlphaMode::Mask { cutoff: 1.0 }]
+        };
+        assert_eq!(modes[..3], expected);
+    }
+    let mut builder = one_triangle();
+    builder.json["materials"] = json!([{"alphaMode": "BLEND"}]);
+    assert_eq!(builder.model().scene.materials[0].alpha_mode, AlphaMode::Opaque, "nothing shows through");
 }

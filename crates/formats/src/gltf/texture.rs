@@ -23,6 +23,8 @@ pub(super) struct Textures<'a> {
     /// By image and sampling, the place in `read`; `None` for one that can't be had.
     known: BTreeMap<(u32, [u8; 3]), Option<u32>>,
     pub(super) read: Vec<Arc<Texture>>,
+    /// The least alpha of each in `read`.
+    least_alphas: Vec<u8>,
 }
 
 /// Where the triangles of a material find their texture coordinates.
@@ -36,7 +38,20 @@ pub(super) struct UvSource {
 impl<'a> Textures<'a> {
     pub(super) fn new(document: &'a Document, accessors: &'a Accessors<'a>, folder: Option<&'a Path>) -> Self {
         let pictures = Pictures::new(accessors.file_bytes());
-        Self { document, accessors, folder, pictures, known: BTreeMap::new(), read: Vec::new() }
+        Self {
+            document,
+            accessors,
+            folder,
+            pictures,
+            known: BTreeMap::new(),
+            read: Vec::new(),
+            least_alphas: Vec::new(),
+        }
+    }
+
+    /// The least alpha of what was read under this index, 0 to 1.
+    pub(super) fn least_alpha(&self, index: u32) -> f32 {
+        f32::from(self.least_alphas[index as usize]) / 255.0
     }
 
     /// The texture of a material, as an index into what is read, and its coordinates; `None` where it can't be had.
@@ -78,6 +93,8 @@ impl<'a> Textures<'a> {
         }
         let index = match self.read(image as usize, texture.name.as_deref(), sampling) {
             Ok(texture) => {
+                let alphas = texture.rgba.iter().skip(3).step_by(4);
+                self.least_alphas.push(alphas.copied().min().unwrap_or(u8::MAX));
                 self.read.push(Arc::new(texture));
                 Some(self.read.len() as u32 - 1)
             }

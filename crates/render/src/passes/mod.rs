@@ -2,11 +2,13 @@
 
 mod glass;
 mod light;
+mod overlay;
 mod surface;
 mod tone;
 
 pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::LightPass;
+pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
 

@@ -1,0 +1,271 @@
+//! One light in the report: what it is, what it drew for each caster, and what it left out.
+
+use glam::DVec3;
+use serde::Serialize;
+use umbrae_core::{Case, Caster, Cone, Light, PixelRect};
+use umbrae_render::{CasterReport, Fate, LightReport, Why};
+
+/// One light and what it drew.
+///
+/// A directional light gives a surface that faces it `strength`. A lamp d metres away gives it `strength / d^2 * (1 - (d / range)^4)`, and
+/// nothing from its range on; a spot that times `edge^2`, where `edge` goes from 1 to 0 as the cosine of the angle from the cone's middle
+/// goes from that of `inner_deg` to that of `outer_deg`.
+#[derive(Debug, Serialize)]
+pub struct LightJson {
+    name: String,
+    /// "directional", "point" or "spot".
+    kind: &'static str,
+    /// Of a point or a spot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position: Option<[f64; 3]>,
+    /// Of a directional light: the unit vector towards it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    direction_to_light: Option<[f64; 3]>,
+    /// Of a spot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cone: Option<ConeJson>,
+    /// Of a point or a spot: metres at which it has faded to nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<f64>,
+    /// `color` times `intensity`: irradiance of a directional light, and of a lamp at 1 m.
+    strength: [f32; 3],
+    /// Linear; the strongest channel is 1, or all are 0.
+    color: [f32; 3],
+    /// Of the strongest channel: lux of a directional light, candela of a lamp.
+    intensity: f32,
+    /// Time on the CPU for facing, silhouettes and volumes of all casters.
+    silhouettes_and_volumes_ms: f64,
+    /// The pixels that it may change; absent if it is out of view.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scissor: Option<Rect>,
+    /// How often counting was interrupted so that the stencil could not overflow, plus 1; 0 without volumes.
+    batches: usize,
+    /// How many casters are in McGuire's cases 1, 2 and 3.
+    cases: [usize; 3],
+    /// How many casters were not drawn, by the rule that left them out.
+    culled: Culled,
+    /// What this light's volumes cost.
+    cost: Cost,
+    /// With `--count-fragments`: the same with nothing left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cost_without_culling: Option<Cost>,
+    /// One entry for each object, the ground last; an object in which only some triangles cast has two, of one name.
+    casters: Vec<CasterJson>,
+}
+
+impl LightJson {
+    /// `light` of a scene about `origin`, with what was measured about it if anything was.
+    pub fn new(
+        light: &Light,
+        report: &LightReport,
+        measured: Option<[Cost; 2]>,
+        casters: &[Caster],
+        origin: DVec3,
+    ) -> Self {
+        let xyz = light.position.homogeneous().truncate();
+        let is_directional = light.position.is_directional();
+        let intensity = light.strength.max_element();
+        let in_case = |number| report.casters.iter().filter(|c| c.case().map(Case::number) == Some(number)).count();
+        let (cost, cost_without_culling) = match measured {
+            Some([with, without]) => (with, Some(without)),
+            None => (Cost::new(report, None), None),
+        };
+        Self {
+            name: light.name.clone(),
+            kind: match light.cone {
+                _ if is_directional => "directional",
+                Some(_) => "spot",
+                None => "point",
+            },
+            position: (!is_directional).then(|| (xyz + origin).to_array()),
+            direction_to_light: is_directional.then(|| xyz.to_array()),
+            cone: light.cone.filter(|_| !is_directional).map(Into::into),
+            range: light.range_m.filter(|_| !is_directional),
+            strength: light.strength.to_array(),
+            color: (light.strength / if intensity > 0.0 { intensity } else { 1.0 }).to_array(),
+            intensity,
+            silhouettes_and_volumes_ms: report.cpu_ms,
+            scissor: report.rect.map(Into::into),
+            batches: report.batches,
+            cases: [1, 2, 3].map(in_case),
+            culled: Culled::new(report),
+            cost,
+            cost_without_culling,
+            casters: casters.iter().zip(&report.casters).map(|(c, r)| CasterJson::new(c, r)).collect(),
+        }
+    }
+}
+
+/// Where a spot shines.
+#[derive(Debug, Serialize)]
+struct ConeJson {
+    /// The unit vector along its middle, away from the light.
+    direction: [f64; 3],
+    /// From the middle to where its edge begins.
+    inner_deg: f64,
+    /// From the middle to where it ends.
+    outer_deg: f64,
+}
+
+impl From<Cone> for ConeJson {
+    fn from(cone: Cone) -> Self {
+        Self {
+            direction: cone.axis.to_array(),
+            inner_deg: cone.inner_rad.to_degrees(),
+            outer_deg: cone.outer_rad.to_degrees(),
+        }
+    }
+}
+
+/// Pixels of the picture, from the top left.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Rect {
+    /// The first column and row.
+    min: [u32; 2],
+    /// One past the last column and row.
+    max: [u32; 2],
+}
+
+impl From<PixelRect> for Rect {
+    fn from(PixelRect { min, max }: PixelRect) -> Self {
+        Self { min, max }
+    }
+}
+
+/// How many casters were not drawn, and why.
+#[derive(Debug, Default, Serialize)]
+struct Culled {
+    /// They cast no shadow: see `--cast`.
+    not_casting: usize,
+    /// The light's reach is out of view.
+    light_out_of_view: usize,
+    /// They are outside the light's range or cone.
+    out_of_reach: usize,
+    /// Their shadow can't be in view.
+    shadow_out_of_view: usize,
+}
+
+impl Culled {
+    fn new(report: &LightReport) -> Self {
+        let mut culled = Self::default();
+        for caster in &report.casters {
+            match caster.fate {
+                Fate::NotCasting => culled.not_casting += 1,
+                Fate::LightUnseen => culled.light_out_of_view += 1,
+                Fate::Unreached => culled.out_of_reach += 1,
+                Fate::Unseen => culled.shadow_out_of_view += 1,
+                Fate::Drawn { .. } => {}
+            }
+        }
+        culled
+    }
+}
+
+/// What the volumes of one light cost.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Cost {
+    /// All casters together.
+    triangles: TrianglesByPart,
+    /// Bytes of indices uploaded.
+    index_bytes: usize,
+    /// With `--count-fragments`: fragments rasterised into the stencil, those of marks included, one sample a pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fragments: Option<u64>,
+}
+
+impl Cost {
+    /// Of what `report` tells, with the fragments if they were counted.
+    pub fn new(report: &LightReport, fragments: Option<u64>) -> Self {
+        let of_all = |part: fn(&CasterReport) -> usize| report.casters.iter().map(part).sum();
+        Self {
+            triangles: TrianglesByPart {
+                sides: of_all(|caster| caster.side_triangles),
+                dark_cap: of_all(|caster| caster.dark_cap_triangles),
+                light_cap: of_all(|caster| caster.light_cap_triangles),
+            },
+            index_bytes: report.index_bytes,
+            fragments,
+        }
+    }
+}
+
+/// One caster under one light.
+#[derive(Debug, Serialize)]
+struct CasterJson {
+    name: String,
+    /// Whether it casts at all: see `--cast`, `--no-cast` and `--glass-casts`.
+    casts: bool,
+    /// Whether what is behind it shows through.
+    is_glass: bool,
+    /// "drawn", or why it was not: "not casting", "light out of view", "out of reach" or "shadow out of view".
+    fate: &'static str,
+    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    case: Option<u32>,
+    /// What decided the case: "near rectangle clear", "near rectangle may be shaded", "method", "eye counted" or "side crosses near rectangle".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<&'static str>,
+    /// By the method `eye-count`: how many of its volumes the eye is in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volumes_around_eye: Option<u32>,
+    /// Different edges between what is turned to the light and what is not.
+    silhouette_edges: usize,
+    /// What its shadow volume is drawn with.
+    triangles: TrianglesByPart,
+    /// What each cap would have if it were drawn whole.
+    chain_triangles: usize,
+    /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
+    parts: usize,
+    /// Bytes of each of a triangle's three indices: 2 or 4; 0 if it was not drawn.
+    bytes_per_index: usize,
+    /// The pixels into which its volume was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scissor: Option<Rect>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct TrianglesByPart {
+    /// Between the silhouette and its shadow.
+    sides: usize,
+    /// At infinity.
+    dark_cap: usize,
+    /// On the caster itself.
+    light_cap: usize,
+}
+
+impl CasterJson {
+    fn new(caster: &Caster, report: &CasterReport) -> Self {
+        let why = if let Fate::Drawn { why, .. } = report.fate { Some(why) } else { None };
+        Self {
+            name: caster.name.clone(),
+            casts: caster.role.casts,
+            is_glass: caster.role.is_glass,
+            fate: match report.fate {
+                Fate::NotCasting => "not casting",
+                Fate::LightUnseen => "light out of view",
+                Fate::Unreached => "out of reach",
+                Fate::Unseen => "shadow out of view",
+                Fate::Drawn { .. } => "drawn",
+            },
+            case: report.case().map(Case::number),
+            why: why.map(|why| match why {
+                Why::NearRectangleClear => "near rectangle clear",
+                Why::NearRectangleMayBeShaded => "near rectangle may be shaded",
+                Why::Method => "method",
+                Why::EyeCounted(_) => "eye counted",
+                Why::SideCrossesNearRectangle => "side crosses near rectangle",
+            }),
+            volumes_around_eye: if let Some(Why::EyeCounted(volumes)) = why { Some(volumes) } else { None },
+            silhouette_edges: report.silhouette_edges,
+            triangles: TrianglesByPart {
+                sides: report.side_triangles,
+                dark_cap: report.dark_cap_triangles,
+                light_cap: report.light_cap_triangles,
+            },
+            chain_triangles: report.chain_triangles,
+            parts: report.parts,
+            bytes_per_index: report.index_bytes,
+            scissor: report.rect.map(Into::into),
+        }
+    }
+}
