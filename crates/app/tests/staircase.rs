@@ -49,7 +49,8 @@ impl Staircase {
     }
 
     fn shot<'a>(&'a self, scene: &'a GpuScene, lights: &'a [Light], method: Method, look: &'a Look) -> Shot<'a> {
-        Shot { scene, casters: &self.casters, camera: &self.camera, lights, shadows: ShadowOptions::from(method), look }
+        let shadows = ShadowOptions::from(method);
+        Shot { shadows, look, ..Shot::new(scene, &self.casters, &self.camera, lights) }
     }
 }
 
