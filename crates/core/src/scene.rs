@@ -202,3 +202,23 @@ impl Object {
         Bounds::of_points(self.positions())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    #[test]
+    fn objects_that_share_a_mesh_still_do_in_a_scene_that_they_join() {
+        let one_cube = || {
+            let mesh = Arc::new(Mesh::new(shapes::cuboid(Vec3::ZERO, Vec3::ONE)).expect("a good box"));
+            let object = Object::new("cube", mesh, DAffine3::IDENTITY);
+            Scene { objects: vec![object.clone(), object], materials: vec![Material::default()], ..Scene::default() }
+        };
+        let mut scene = one_cube();
+        scene.add(one_cube()).expect("they are at the same place");
+        let [a, b, c, d] = scene.objects.as_slice() else { panic!("four objects") };
+        assert!(Arc::ptr_eq(&a.mesh, &b.mesh) && Arc::ptr_eq(&c.mesh, &d.mesh));
+        assert_eq!([a, c].map(|object| object.mesh.triangle_materials()[0]), [0, 1]);
+    }
+}

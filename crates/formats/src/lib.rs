@@ -5,6 +5,8 @@
 //! format it was. What is left out is a [`Warning`] with a count; what can't be used at all is a [`LoadError`]
 //! that names the place in the file.
 //!
+//! What a file says moves (glTF's nodes, skins and morph targets) is at rest until [`Model::play`] shows another moment of it.
+//!
 //! Promises, for any bytes whatever: no panic, no endless loop, and no more memory than a small multiple of the
 //! file (see `gltf/budget.rs` for the one format in which a file can repeat itself), with a fixed amount for pictures on
 //! top (see `picture.rs`).
