@@ -47,8 +47,9 @@ impl Line {
         self.decided as f64 / self.surface.max(1) as f64
     }
 
-    fn print(&self) {
-        println!(
+    /// Under the table's head.
+    fn row(&self) -> String {
+        format!(
             "{:<38} {:>9} {:>9} {:>7.2}% {:>7} {:>7} {:>7} {:>7}",
             self.name,
             self.triangles,
@@ -58,7 +59,7 @@ impl Line {
             self.masks,
             self.rules,
             self.wrong
-        );
+        )
     }
 }
 
@@ -76,7 +77,12 @@ fn every_decided_pixel_of_every_model_is_right() {
         "{:<38} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7}",
         "model", "triangles", "surface", "decided", "z-fail", "masks", "rules", "errors"
     );
-    let lines: Vec<Line> = sources.iter().map(|source| verify(&renderer, source)).collect();
+    let mut lines = Vec::new();
+    for source in &sources {
+        let line = verify(&renderer, source);
+        println!("{}", line.row());
+        lines.push(line);
+    }
     let total = |f: fn(&Line) -> usize| lines.iter().map(f).sum::<usize>();
     let errors: Vec<&String> = lines.iter().flat_map(|l| &l.errors).collect();
     let mut shares: Vec<f64> = lines.iter().map(Line::decided_share).collect();
@@ -125,7 +131,6 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
             }
         }
     }
-    line.print();
     line
 }
 
