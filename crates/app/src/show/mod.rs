@@ -14,6 +14,7 @@ mod marks;
 mod numbers;
 mod outlines;
 mod text;
+mod volumes;
 
 use anyhow::bail;
 use clap::ValueEnum;
@@ -65,6 +66,17 @@ impl<'a> Subject<'a> {
         self.casters.iter().enumerate().filter(move |(i, _)| Some(*i) != ground)
     }
 
+    /// The names of these lights, for a title; or how many, where those would be too many to read.
+    fn names_of(&self, lights: &[usize]) -> String {
+        let (shown, all) = (lights.len(), self.lights.len());
+        if shown > MOST_LIGHTS {
+            return format!("{shown} lights");
+        }
+        let names: Vec<String> = lights.iter().map(|&light| quoted(&self.lights[light].name)).collect();
+        let of_all = if shown < all { format!(" ({shown} of {all} lights)") } else { String::new() };
+        format!("{}{of_all}", names.join(", "))
+    }
+
     /// To find what is seen.
     fn rays(&self) -> RayCaster {
         RayCaster::new(self.casters.iter().map(|caster| (caster.positions.as_slice(), caster.mesh.triangles())))
@@ -106,10 +118,9 @@ impl<'a> Show<'a> {
     /// When no light has that name.
     pub fn new(mode: Mode, subject: Subject<'a>, light_name: Option<&str>) -> anyhow::Result<Self> {
         let lights = shown_lights(mode, subject.lights, light_name)?;
-        let chosen: Vec<&Light> = lights.iter().map(|&light| &subject.lights[light]).collect();
         let (overlay, legend) = match (mode, lights.first()) {
-            (Mode::Volumes, _) => some_first(outlines::volumes(&subject, &chosen)),
-            (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &chosen)),
+            (Mode::Volumes, _) => some_first(volumes::volumes(&subject, &lights)),
+            (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &lights)),
             (Mode::Topology, _) => some_first(edges::topology(&subject)),
             (Mode::Cases, Some(&light)) => some_first(cases::cases(&subject, light)),
             (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject, light)), Legend::default()),
@@ -134,7 +145,7 @@ impl<'a> Show<'a> {
         let mut canvas = Canvas::new(rgba, self.subject.camera.size_px());
         let lights = self.subject.lights;
         if let Some(&light) = self.lights.first() {
-            let name = names_of(&self.lights(), lights);
+            let name = self.subject.names_of(&self.lights);
             match (numbers, self.mode) {
                 (Numbers::Counts(counts), _) => self.legend = heat::draw_counts(&mut canvas, counts, &name),
                 (Numbers::Fill(fill), _) => self.legend = heat::draw_fill(&mut canvas, fill, &name),
@@ -191,15 +202,4 @@ fn shown_lights(mode: Mode, lights: &[Light], name: Option<&str>) -> anyhow::Res
 
 fn quoted(name: &str) -> String {
     format!("\"{name}\"")
-}
-
-/// The names of the `shown` lights of `all`, for a title; or how many, where those would be too many to read.
-fn names_of(shown: &[&Light], all: &[Light]) -> String {
-    if shown.len() > MOST_LIGHTS {
-        return format!("{} lights", shown.len());
-    }
-    let names: Vec<String> = shown.iter().map(|light| quoted(&light.name)).collect();
-    let of_all =
-        if shown.len() < all.len() { format!(" ({} of {} lights)", shown.len(), all.len()) } else { String::new() };
-    format!("{}{of_all}", names.join(", "))
 }
