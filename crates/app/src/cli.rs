@@ -93,6 +93,25 @@ pub enum Up {
     Z,
 }
 
+/// Where vertices are moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Posing {
+    /// In double precision, and uploaded
+    Cpu,
+    /// By compute shaders
+    Gpu,
+}
+
+impl Posing {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
+
 /// Draw models with exact shadows
 ///
 /// Without options: a three-quarter view that frames the model, an afternoon sun (or the model's own lights), and a ground plane just
@@ -205,6 +224,10 @@ pub struct RenderArgs {
     /// How shadows are determined.
     #[command(flatten)]
     pub shadows: ShadowArgs,
+
+    /// Where the vertices of animated models are moved; makes no difference that is seen (default: gpu where that can and something moves)
+    #[arg(long, value_name = "WHERE", help_heading = "Machine")]
+    pub posing: Option<Posing>,
 
     /// Use the graphics adapter whose line in `umbrae doctor` contains NAME
     #[arg(long, value_name = "NAME", help_heading = "Machine")]

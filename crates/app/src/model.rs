@@ -20,6 +20,8 @@ pub struct LoadedFile {
     pub up: UpAxis,
     /// What was left out.
     pub warnings: Vec<Warning>,
+    /// Whether it is shown at a moment of an animation.
+    pub is_played: bool,
 }
 
 /// A moment of the models' animations.
@@ -47,13 +49,16 @@ pub fn load_all(
     let (mut is_animated, mut names) = (false, Vec::new());
     for path in paths {
         let mut model = read(path, up)?;
+        let mut is_played = false;
         if let Some(moment) = moment {
             let cant = || format!("can't play `{}`", path.display());
-            is_animated |= play(&mut model, moment).with_context(cant)?;
+            is_played = play(&mut model, moment).with_context(cant)?;
+            is_animated |= is_played;
             names.extend(model.animations.iter().map(|animation| format!("`{}`", animation.name)));
         }
         scene.add(model.scene).with_context(|| format!("can't join `{}` with the models before it", path.display()))?;
-        files.push(LoadedFile { path: path.clone(), format: model.format, up: model.up, warnings: model.warnings });
+        let (format, up, warnings) = (model.format, model.up, model.warnings);
+        files.push(LoadedFile { path: path.clone(), format, up, warnings, is_played });
     }
     match moment {
         Some(Moment { animation: Some(name), .. }) if !is_animated => {

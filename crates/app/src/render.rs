@@ -6,12 +6,12 @@ use anyhow::{Context as _, bail, ensure};
 use image::ExtendedColorType::{L8, Rgba8};
 use umbrae_core::{Bounds, Camera, Caster, Light, Oracle, Scene};
 use umbrae_render::{
-    AdapterChoice, Comparison, Gpu, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
+    AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
 };
 use web_time::Instant;
 
 use crate::area::{Area, as_points};
-use crate::cli::{Method, RenderArgs};
+use crate::cli::{Method, Posing, RenderArgs};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
@@ -62,14 +62,20 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     }
 
     let start = Instant::now();
-    let casters = Caster::of_scene(&scene);
+    let mut casters = Caster::of_scene(&scene);
     times.topology = ms_since(start);
     let start = Instant::now();
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: args.adapter.clone(), is_software: args.software }))?;
     let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
-    let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
+    let mut gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
+    let moves = files.iter().any(|file| file.is_played);
+    let posing = args.posing.unwrap_or_else(|| best_posing(renderer.gpu(), moves));
+    if posing == Posing::Gpu {
+        let mut poser = GpuPoser::new(renderer.gpu(), &scene.objects, &casters, &gpu_scene)?;
+        pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;
+    }
     times.upload = ms_since(start);
     let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadows.options(), look };
 
@@ -97,6 +103,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         camera: CameraReport::new(&camera, origin),
         time: args.time,
         animation: args.animation.clone(),
+        posing: posing.name(),
         samples: args.samples,
         method: Method::name(stage.shadows.method),
         left_out: LeftOut::new(&stage.shadows),
@@ -343,6 +350,11 @@ fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk
         talk.warning("--area-samples changes nothing: no light is a lamp");
     }
     as_points(lights, Area { samples, radius_m: args.area_radius }, model)
+}
+
+/// The GPU, where something moves and it can.
+fn best_posing(gpu: &Gpu, moves: bool) -> Posing {
+    if moves && umbrae_render::Posing::of(gpu) == umbrae_render::Posing::Gpu { Posing::Gpu } else { Posing::Cpu }
 }
 
 /// Each in quotation marks.

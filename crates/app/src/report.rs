@@ -33,6 +33,8 @@ pub struct Report {
     /// With `--animation`: the one that is played, in models that have it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<String>,
+    /// Where vertices were moved to that moment: "cpu" or "gpu".
+    pub posing: &'static str,
     /// What is subtracted before rounding to `f32`.
     pub origin: [f64; 3],
     /// Absent with `--no-ground`.

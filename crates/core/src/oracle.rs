@@ -6,11 +6,13 @@
 //! Some things no picture can settle, and leave a pixel undecided as well. Where the centre is on an edge as far as a
 //! rasteriser can tell, a hair of a hidden surface may show, or the volume that hangs on the edge come out in front of
 //! it: five rays may see one lit surface on each side, and the drawn pixel is dark; the same holds for a hair of shadow
-//! that begins there. Where only a triangle is in the way whose plane holds the light as far as `f32` can tell, it is
+//! that begins there. Where surfaces are as near to one another as depths are rounded, any of them may be drawn, and the
+//! edges of all of them count. Where only a triangle is in the way whose plane holds the light as far as `f32` can tell, it is
 //! not between them but beside them. Where a surface is cut out, its holes have borders, and so have a light's range
 //! and cone. Nothing here knows of silhouettes or volumes.
 
 mod border;
+mod coincident;
 mod cut_out;
 
 use std::sync::Arc;
@@ -168,20 +170,33 @@ impl Oracle {
         row
     }
 
-    /// What the nine rays of the pixel about `(x, y)` see; `None` where that settles that it is undecided, because the
-    /// four nearest to the centre don't see one triangle (or nothing), or some ray can't tell a surface from a hole in
-    /// it.
-    fn sights_around(&self, eye: &Eye, [x, y]: [f64; 2], center: &Sight) -> Option<[Sight; 9]> {
-        let mut sights = [*center; 9];
+    /// What the nine rays of the pixel about `(x, y)` see, and what else may be drawn at its centre; `None` where that
+    /// settles that it is undecided, because the five nearest to the centre don't see the same triangles and the same one first (or nothing), or
+    /// some ray can't tell a surface from a hole in it.
+    fn sights_around(&self, eye: &Eye, [x, y]: [f64; 2], center: &Sight) -> Option<Vec<Sight>> {
+        if matches!(center, Sight::Unsure) {
+            return None;
+        }
+        let others = center.seen().map(|seen| self.coincident(eye, eye.direction(x, y), seen)).unwrap_or_default();
+        let mut sights = Vec::with_capacity(1 + OFFSETS.len() + others.len());
+        sights.push(*center);
         for (i, [dx, dy]) in OFFSETS.into_iter().enumerate() {
-            let sight = self.sight(eye, [x + dx, y + dy], Some(center));
+            let [x, y] = [x + dx, y + dy];
+            let sight = self.sight(eye, [x, y], Some(center));
             let is_off_center = i < 4 && sight.triangle() != center.triangle();
             if is_off_center || matches!(sight, Sight::Unsure) {
                 return None;
             }
-            sights[1 + i] = sight;
+            let is_near = |_: &&Seen| i < 4;
+            if let Some(seen) = sight.seen().filter(is_near)
+                && !self.are_coincident(eye, eye.direction(x, y), seen, &others)
+            {
+                return None;
+            }
+            sights.push(sight);
         }
-        (!matches!(center, Sight::Unsure)).then_some(sights)
+        sights.extend(others);
+        Some(sights)
     }
 
     /// What the ray at `(x, y)` in pixels meets first. It is likely to be the triangle that `neighbour` met.
@@ -203,6 +218,10 @@ impl Oracle {
         if presence(&hit) == Presence::Unsure {
             return Sight::Unsure;
         }
+        self.sight_of(eye, direction, hit)
+    }
+
+    fn sight_of(&self, eye: &Eye, direction: DVec3, hit: Hit) -> Sight {
         let Some(normal) = self.seen.normal(&hit).try_normalize() else { return Sight::Nothing };
         let normal = if normal.dot(direction) < 0.0 { normal } else { -normal };
         Sight::Surface(Seen { hit, point: eye.position + direction * hit.t, normal })
@@ -222,7 +241,7 @@ impl Oracle {
         INTERPOLATION * (hit.t / nearest).max(1.0)
     }
 
-    fn agreed(&self, eye: &Eye, sights: &[Sight; 9], light: &Light, in_the_way: &mut Option<Hit>) -> Option<Verdict> {
+    fn agreed(&self, eye: &Eye, sights: &[Sight], light: &Light, in_the_way: &mut Option<Hit>) -> Option<Verdict> {
         let mut verdicts = sights.iter().map(|sight| self.verdict(eye, sight, light, in_the_way));
         let first = verdicts.next()??;
         verdicts.all(|verdict| verdict == Some(first)).then_some(first)

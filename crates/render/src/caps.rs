@@ -23,6 +23,15 @@ pub struct Caps {
 }
 
 impl Caps {
+    /// How a buffer of vertices may be used that something is to move: also by compute shaders, where there are any.
+    pub(crate) fn moving_vertices(&self) -> wgpu::BufferUsages {
+        let vertices = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+        match self.tier {
+            Tier::Full => vertices | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            Tier::Basic => vertices,
+        }
+    }
+
     /// What a device made of `adapter` can do.
     pub(crate) fn of(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Self {
         let has = |feature| device.features().contains(feature);

@@ -51,6 +51,12 @@ pub enum GpuError {
         /// The largest one that the device can make.
         allowed_bytes: u64,
     },
+    /// The device has no compute shaders.
+    #[error("{adapter} can't pose models, as it has no compute shaders; pose them on the CPU (--posing cpu)")]
+    NoCompute {
+        /// The adapter's label.
+        adapter: String,
+    },
     /// The picture does not fit into one texture of this device.
     #[error("a picture of {}x{} pixels can't be drawn: {adapter} allows {allowed} a side", size_px[0], size_px[1])]
     PictureTooLarge {
@@ -162,6 +168,17 @@ impl Gpu {
         let (needed_bytes, allowed_bytes) = (bytes as u64, self.device.limits().max_buffer_size);
         if needed_bytes > allowed_bytes {
             return Err(GpuError::TooLarge { adapter: self.label.clone(), needed_bytes, allowed_bytes });
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when shaders can't be given a buffer of `bytes`.
+    pub(crate) fn ensure_binding_fits(&self, bytes: u64) -> Result<(), GpuError> {
+        let allowed_bytes = self.device.limits().max_storage_buffer_binding_size;
+        if bytes > allowed_bytes {
+            return Err(GpuError::TooLarge { adapter: self.label.clone(), needed_bytes: bytes, allowed_bytes });
         }
         Ok(())
     }

@@ -39,6 +39,7 @@ pub struct GpuScene {
     pub(crate) finishes: Vec<Finish>,
     pub(crate) glass: Vec<GlassTriangle>,
     pub(crate) shadow_casters: ShadowCasters,
+    pub(crate) order: SurfaceOrder,
 }
 
 /// A triangle that is drawn last, in its place from back to front.
@@ -73,7 +74,8 @@ impl GpuScene {
         let mut finishes = Finishes::new(gpu, textures);
         let by_role = finishes_by_role(casters, materials, &mut finishes);
         let finishes = finishes.finish();
-        let (surface, triangle_ranges) = surface_vertices(casters, materials, &by_role, finishes.len());
+        let order = SurfaceOrder { by_role, finish_count: finishes.len() };
+        let (surface, triangle_ranges) = surface_vertices(casters, materials, &order);
         let mut draws: Vec<(Range<u32>, u32)> = Vec::new();
         let mut glass = Vec::new();
         for (triangles, finish) in triangle_ranges.into_iter().zip(0..) {
@@ -87,9 +89,20 @@ impl GpuScene {
         let surface = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("surface vertices"),
             contents: bytemuck::cast_slice(&surface),
-            usage: wgpu::BufferUsages::VERTEX,
+            usage: gpu.caps.moving_vertices(),
         });
-        gpu.unless_out_of_memory(Ok(Self { surface, draws, finishes, glass, shadow_casters }))
+        gpu.unless_out_of_memory(Ok(Self { surface, draws, finishes, glass, shadow_casters, order }))
+    }
+
+    /// Uploads again where `casters` are; they must be those that this was made of, moved, and `materials` the same. As much as
+    /// [`GpuScene::new`] uploads, but for textures.
+    pub fn update(&mut self, gpu: &Gpu, casters: &[Caster], materials: &[Material]) {
+        let (surface, _) = surface_vertices(casters, materials, &self.order);
+        for glass in &mut self.glass {
+            *glass = glass_triangle(&surface, glass.first_vertex / 3, glass.finish);
+        }
+        gpu.queue.write_buffer(&self.surface, 0, bytemuck::cast_slice(&surface));
+        self.shadow_casters.update(gpu, casters);
     }
 }
 
@@ -107,41 +120,64 @@ fn finishes_by_role(
     by_role
 }
 
-/// The vertices of all triangles, those of each finish together, and for each finish which triangles are its.
+/// Where the triangles of casters are among [`GpuScene::surface`]'s: those of each finish together, else in the order of casters.
+#[derive(Debug)]
+pub(crate) struct SurfaceOrder {
+    /// For each role, the finish of each material.
+    by_role: FxHashMap<Role, Vec<u32>>,
+    finish_count: usize,
+}
+
+impl SurfaceOrder {
+    /// A triangle whose material does not exist is plain, white glass or not.
+    fn finish_of(&self, caster: &Caster, material: u32) -> usize {
+        let finishes = self.by_role.get(&caster.role);
+        finishes.and_then(|finishes| finishes.get(material as usize)).copied().unwrap_or(0) as usize
+    }
+
+    /// Calls `visit` for each triangle, in order, with its caster, its number in that, and its place. Returns the places of each finish.
+    pub(crate) fn for_each_triangle(
+        &self,
+        casters: &[Caster],
+        mut visit: impl FnMut(usize, usize, u32),
+    ) -> Vec<Range<u32>> {
+        let mut counts = vec![0; self.finish_count];
+        for caster in casters {
+            for &material in caster.mesh.triangle_materials() {
+                counts[self.finish_of(caster, material)] += 1;
+            }
+        }
+        let mut end = 0;
+        let starts = counts.iter().map(|count| {
+            let start = end;
+            end += count;
+            start
+        });
+        let mut ranges: Vec<Range<u32>> = starts.map(|start| start..start).collect();
+        for (c, caster) in casters.iter().enumerate() {
+            for (t, &material) in caster.mesh.triangle_materials().iter().enumerate() {
+                let range = &mut ranges[self.finish_of(caster, material)];
+                visit(c, t, range.end);
+                range.end += 1;
+            }
+        }
+        ranges
+    }
+}
+
+/// The vertices of all triangles, and for each finish which triangles are its.
 fn surface_vertices(
     casters: &[Caster],
     materials: &[Material],
-    by_role: &FxHashMap<Role, Vec<u32>>,
-    finish_count: usize,
+    order: &SurfaceOrder,
 ) -> (Vec<SurfaceVertex>, Vec<Range<u32>>) {
-    // A triangle whose material does not exist is plain, white glass or not.
-    let finish_of = |caster: &Caster, material: u32| {
-        by_role.get(&caster.role).and_then(|finishes| finishes.get(material as usize)).copied().unwrap_or(0) as usize
-    };
-    let mut counts = vec![0; finish_count];
-    for caster in casters {
-        for &material in caster.mesh.triangle_materials() {
-            counts[finish_of(caster, material)] += 1;
-        }
-    }
-    let mut end = 0;
-    let starts = counts.iter().map(|count| {
-        let start = end;
-        end += count;
-        start
-    });
-    let mut ranges: Vec<Range<u32>> = starts.map(|start| start..start).collect();
-
     let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
-    let mut vertices = vec![SurfaceVertex::zeroed(); end as usize * 3];
-    for caster in casters {
-        for (t, &material) in caster.mesh.triangle_materials().iter().enumerate() {
-            let range = &mut ranges[finish_of(caster, material)];
-            let place = range.end as usize * 3;
-            range.end += 1;
-            vertices[place..place + 3].copy_from_slice(&corner_vertices(caster, t, materials, &plain));
-        }
-    }
+    let triangles: usize = casters.iter().map(|caster| caster.mesh.triangles().len()).sum();
+    let mut vertices = vec![SurfaceVertex::zeroed(); triangles * 3];
+    let ranges = order.for_each_triangle(casters, |c, t, place| {
+        let corners = corner_vertices(&casters[c], t, materials, &plain);
+        vertices[place as usize * 3..][..3].copy_from_slice(&corners);
+    });
     (vertices, ranges)
 }
 
@@ -170,9 +206,13 @@ fn corner_vertices(caster: &Caster, t: usize, materials: &[Material], plain: &[[
 
 fn glass_triangle(vertices: &[SurfaceVertex], triangle: u32, finish: u32) -> GlassTriangle {
     let first_vertex = triangle * 3;
-    let corners = &vertices[first_vertex as usize..][..3];
-    let center = corners.iter().map(|corner| Vec3::from(corner.position_world) / 3.0).sum();
-    GlassTriangle { center, first_vertex, finish }
+    let corner = |i: u32| Vec3::from(vertices[(first_vertex + i) as usize].position_world);
+    GlassTriangle { center: middle([0, 1, 2].map(corner)), first_vertex, finish }
+}
+
+/// Of a triangle.
+pub(crate) fn middle(corners: [Vec3; 3]) -> Vec3 {
+    corners.iter().map(|corner| corner / 3.0).sum()
 }
 
 fn srgb_from_linear(linear: Vec3) -> [u8; 4] {

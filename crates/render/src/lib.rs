@@ -9,11 +9,13 @@ mod caps;
 pub mod frame;
 mod gpu;
 mod gpu_finishes;
+mod gpu_poser;
 mod gpu_scene;
 mod look;
 mod mipmap;
 mod overlay;
 mod passes;
+mod posing;
 mod readback;
 mod renderer;
 mod shaders;
@@ -25,9 +27,11 @@ mod verify;
 
 pub use caps::{Caps, Tier};
 pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
+pub use gpu_poser::GpuPoser;
 pub use gpu_scene::GpuScene;
 pub use look::Look;
 pub use overlay::{Overlay, OverlayColor, OverlayVertex};
+pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
     CasterReport, Fate, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowTarget,

@@ -24,6 +24,10 @@ pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "overlay", &[VIEW, include_str!("shaders/overlay.wgsl")])
 }
 
+pub(crate) fn pose(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "pose", &[include_str!("shaders/pose.wgsl")])
+}
+
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(label),

@@ -146,6 +146,7 @@ mod tests {
     use std::mem::offset_of;
 
     use crate::gpu_finishes::FinishUniform;
+    use crate::passes::PosedUniform;
 
     /// Size of the WGSL struct `name`, and for each member its name and offset.
     fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
@@ -181,6 +182,35 @@ mod tests {
             source,
             "Overlay",
             [size_px, half_width_px, hidden_opacity, lift, unused_0, unused_1, unused_2]
+        );
+    }
+
+    #[test]
+    fn what_is_posed_has_the_same_bytes_in_rust_and_wgsl() {
+        assert_same_layout!(
+            PosedUniform,
+            include_str!("shaders/pose.wgsl"),
+            "Posed",
+            [
+                vertex_count,
+                triangle_count,
+                near,
+                far,
+                positions,
+                offsets,
+                ranges,
+                influences,
+                triangles,
+                places,
+                weights,
+                joints,
+                origin_world,
+                morph_count,
+                has_skin,
+                unused_a,
+                unused_b,
+                unused_c,
+            ]
         );
     }
 

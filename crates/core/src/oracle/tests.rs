@@ -273,3 +273,44 @@ fn several_lights_are_judged_as_each_alone() {
         assert_eq!(judge(&oracle, light), judged);
     }
 }
+
+/// The floor, and on it a sheet that ends just where the centres of a column of pixels are.
+fn sheet_on_floor(height: f32) -> (Vec<Judgement>, f64) {
+    let end = EYE.x + HALF_VIEW_M * (2.0 * (70.5 / f64::from(SIZE_PX[0])) - 1.0);
+    let judged = judge(&oracle(vec![floor(), sheet(height, end as f32, 0, Role::default())]), lamp(0.3, 0.2, 8.0));
+    (judged, end)
+}
+
+#[test]
+fn an_edge_that_lies_in_the_surface_behind_it_is_an_edge_all_the_same() {
+    let (judged, end) = sheet_on_floor(0.0);
+    let (mut on_edge, mut inside) = (0, 0);
+    for (judgement, point) in judged.iter().zip(floor_points()) {
+        if point.abs().max_element() > end + 0.5 * PIXEL_M {
+            assert_eq!(judgement.verdict, Some(Verdict::Lit), "at {point}");
+        } else if (point.x - end).abs() < RASTER_PX * PIXEL_M && point.y.abs() < end {
+            assert_eq!(judgement.verdict, None, "at {point}");
+            on_edge += 1;
+        } else {
+            // Rounding says which of the two is first: where rays don't agree on that, it is undecided too.
+            assert_ne!(judgement.verdict, Some(Verdict::Dark), "at {point}");
+            inside += usize::from(judgement.verdict.is_some());
+        }
+    }
+    assert!(on_edge > 40 && inside > 100, "{on_edge} on the edge, {inside} lit within");
+}
+
+#[test]
+fn which_of_two_sheets_is_in_front_is_undecided_just_where_depth_can_not_tell() {
+    // The lower is dark, as the upper shades it. Depths are 20 m; those of the floor, with corners 90 m away, are good to 36 micrometres.
+    for (height, in_sheet) in [(1e-6, None), (1e-3, Some(Verdict::Lit))] {
+        let (judged, end) = sheet_on_floor(height);
+        for (judgement, point) in judged.iter().zip(floor_points()) {
+            let inside = end - point.abs().max_element();
+            if inside.abs() > PIXEL_M {
+                let expected = if inside > 0.0 { in_sheet } else { Some(Verdict::Lit) };
+                assert_eq!(judgement.verdict, expected, "at {point}, {height} m");
+            }
+        }
+    }
+}

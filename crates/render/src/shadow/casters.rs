@@ -77,19 +77,39 @@ impl ShadowCasters {
             vertex_count += block.vertex_count();
             blocks.push(block);
         }
-        let mut vertices: Vec<VolumeVertex> = Vec::with_capacity(vertex_count as usize);
-        for caster in casters {
-            vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
-            vertices.push(caster.bounds.center().as_vec3().extend(1.0).to_array());
-            for extruded in [0.0, 1.0] {
-                vertices.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
-            }
-        }
         let vertices = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("volume vertices"),
-            contents: bytemuck::cast_slice(&vertices),
-            usage: wgpu::BufferUsages::VERTEX,
+            contents: bytemuck::cast_slice(&volume_vertices(casters)),
+            usage: gpu.caps.moving_vertices(),
         });
         Ok(Self { vertices, blocks })
     }
+
+    /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of.
+    pub fn update(&self, gpu: &Gpu, casters: &[Caster]) {
+        gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&volume_vertices(casters)));
+    }
+
+    /// Uploads the middle of the box of `caster`, number `i`.
+    pub(crate) fn update_middle(&self, gpu: &Gpu, i: usize, caster: &Caster) {
+        let vertex = self.blocks[i].first_vertex + Block::MIDDLE;
+        let offset = u64::from(vertex) * size_of::<VolumeVertex>() as u64;
+        gpu.queue.write_buffer(&self.vertices, offset, bytemuck::bytes_of(&middle(caster)));
+    }
+}
+
+fn volume_vertices(casters: &[Caster]) -> Vec<VolumeVertex> {
+    let mut vertices = Vec::new();
+    for caster in casters {
+        vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
+        vertices.push(middle(caster));
+        for extruded in [0.0, 1.0] {
+            vertices.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
+        }
+    }
+    vertices
+}
+
+fn middle(caster: &Caster) -> VolumeVertex {
+    caster.bounds.center().as_vec3().extend(1.0).to_array()
 }
