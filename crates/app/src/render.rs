@@ -200,6 +200,7 @@ impl Stage {
             shadows: self.shadows,
             look: &self.look,
             overlay: None,
+            spheres: &[],
         }
     }
 }

@@ -135,6 +135,8 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
                     lights: &[],
                     shadows: ShadowOptions::from(method),
                     look: &Look::NONE,
+                    overlay: None,
+                    spheres: &[],
                 };
                 let counts = pollster::block_on(renderer.counts(&shot, &lamp)).unwrap();
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp)).unwrap();

@@ -3,12 +3,14 @@
 mod glass;
 mod light;
 mod overlay;
+mod sphere;
 mod surface;
 mod tone;
 
 pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::LightPass;
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
+pub(crate) use sphere::{GpuSpheres, SpherePass};
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
 
