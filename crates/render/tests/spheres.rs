@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, Sphere, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, LightMark, Look, Method, Renderer, ShadowOptions, Shot};
+use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Sphere, shapes};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, LightMark, Look, Method, Renderer, ShadowOptions, Shot, compare};
 
 const SIZE_PX: [u32; 2] = [192, 144];
 /// Half of the floor's side.
@@ -23,7 +23,7 @@ fn spheres() -> [Sphere; 3] {
     [
         sphere(DVec3::new(0.0, 0.0, 3.0), 2.0, Vec3::new(0.8, 0.4, 0.2)),
         sphere(DVec3::new(2.25, 1.5, 4.5), 0.5, Vec3::new(0.2, 0.5, 0.8)),
-        sphere(DVec3::new(-3.0, 2.0, 0.25), 0.75, Vec3::new(0.3, 0.7, 0.3)),
+        sphere(DVec3::new(2.5, -2.6, 0.25), 0.75, Vec3::new(0.3, 0.7, 0.3)),
     ]
 }
 
@@ -42,15 +42,20 @@ fn floor() -> Scene {
     Scene { objects: vec![object], materials: vec![Material::default()], ..Scene::default() }
 }
 
-/// From outside; from where the large ball shades the eye; so close that the near plane's corners are about to touch it; from inside.
+/// From outside; from where the large ball shades the eye; so close that it is just beyond the near
+/// plane, where its lit half ends; from inside.
 fn eyes(light: &Light) -> [(&'static str, Camera); 4] {
     let camera = |eye: DVec3, target: DVec3| Camera::new(eye, target, 1.0, 0.05, SIZE_PX).unwrap();
     let middle = DVec3::new(0.0, 0.0, 3.0);
-    let away = -light.position.offset_from(middle).normalize();
+    let to_light = light.position.offset_from(middle);
+    let away = -to_light.normalize();
+    // Where the light touches the large ball.
+    let cos = if light.position.is_directional() { 0.0 } else { 2.0 / to_light.length() };
+    let touch = away.any_orthonormal_vector() * (1.0 - cos * cos).sqrt() - away * cos;
     [
         ("outside", camera(DVec3::new(9.0, -7.0, 5.0), DVec3::new(-0.5, 0.0, 1.2))),
         ("in the shadow", camera(middle + away * 2.9 + DVec3::new(0.1, -0.2, 0.05), DVec3::new(-6.0, -3.0, 0.0))),
-        ("close", camera(DVec3::new(0.0, -2.07, 3.0), DVec3::new(0.9, 0.0, 3.6))),
+        ("close", camera(middle + touch * 2.07, middle)),
         ("inside", camera(DVec3::new(0.4, -0.3, 3.2), DVec3::new(-6.0, -3.0, 0.0))),
     ]
 }
@@ -126,7 +131,9 @@ fn every_decided_pixel_is_right_from_outside_in_the_shadow_close_and_inside() {
         for (place, camera) in eyes(&light) {
             let judged = judged(&camera, &balls, &light);
             let decided = judged.iter().flatten().count();
-            assert!(decided > judged.len() * 9 / 10, "{place}: {decided} decided");
+            assert!(decided > judged.len() * 4 / 5, "{place}: {decided} decided");
+            let oracle = Oracle::new(&casters).with_spheres(&balls);
+            let judgements = oracle.judge(&camera, std::slice::from_ref(&light), || ()).remove(0);
             let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
             let options = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
             let mut cases = Vec::new();
@@ -144,9 +151,13 @@ fn every_decided_pixel_is_right_from_outside_in_the_shadow_close_and_inside() {
                     wrong.len(),
                     wrong.iter().take(9).map(|pixel| [pixel % 192, pixel / 192]).collect::<Vec<_>>()
                 );
+                let comparison = compare(&mask.verdicts, &judgements);
+                assert!(comparison.errors.is_empty(), "{} from {place}, {rule}", light.name);
+                assert!(comparison.decided > comparison.surface * 4 / 5, "{place}: {comparison:?}");
                 cases.push(mask.light.spheres[0].case().map(umbrae_core::Case::number));
             }
-            println!("{} from {place}: {decided} decided of {}, {cases:?}", light.name, judged.len());
+            let lit = judged.iter().flatten().filter(|&&verdict| verdict == 255).count();
+            println!("{} from {place}: {decided} decided of {}, {lit} lit, cases {cases:?}", light.name, judged.len());
         }
     }
 }
@@ -184,7 +195,7 @@ fn a_picture_has_no_speckles_on_a_ball_because_every_pass_finds_the_same_depth()
                         assert!((low..=high).contains(&at(pixel)), "{} {samples} {light_mark:?} {pixel}", light.name);
                     }
                 }
-                assert!(inner > 700, "{inner} pixels looked at");
+                assert!(inner > 300, "{inner} pixels looked at");
                 let path = std::env::temp_dir().join(format!("sphere-{}-{samples}.png", light.name));
                 image::save_buffer(path, &picture.rgba, SIZE_PX[0], SIZE_PX[1], image::ColorType::Rgba8).unwrap();
             }
