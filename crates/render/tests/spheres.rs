@@ -211,7 +211,7 @@ fn a_lamp_in_a_ball_lights_nothing_outside_and_the_whole_of_its_inside() {
     let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
     let balls = spheres();
     let light = Light::new("in the ball", LightPosition::point(DVec3::new(0.5, 0.5, 3.0)), Vec3::splat(60.0));
-    let [(_, outside), .., (_, inside)] = eyes(&light);
+    let [(_, outside), .., (_, inside)] = eyes(&lamp());
     let mask = |camera: &Camera| {
         let shot = Shot { spheres: &balls, look: &Look::NONE, ..Shot::new(&gpu_scene, &casters, camera, &[]) };
         pollster::block_on(renderer.mask(&shot, &light)).unwrap().verdicts
