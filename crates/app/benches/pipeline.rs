@@ -292,7 +292,7 @@ impl Drawing {
     fn passes(&self, stage: &Stage, method: Method, pictures: usize) -> anyhow::Result<Passes> {
         let Stage { casters, camera, lights, look, .. } = stage;
         let shadows = ShadowOptions::from(method);
-        let shot = Shot { scene: &self.scene, casters, camera, lights, shadows, look, overlay: None };
+        let shot = Shot { scene: &self.scene, casters, camera, lights, shadows, look, overlay: None, spheres: &[] };
         let draw = || pollster::block_on(self.renderer.picture(&shot));
         // The first one compiles shaders.
         let mut runs = vec![once_ms(draw)];

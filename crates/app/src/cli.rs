@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use crate::model::Moment;
 use crate::output::write_to_stdout;
-use crate::parse::{fov_deg, metres, picture_size, seconds, xyz};
+use crate::parse::{fov_deg, metres, picture_size, seconds, sphere, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
 
@@ -188,6 +188,16 @@ pub struct RenderArgs {
     /// A camera of the model, by the name that `umbrae inspect` shows
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target"], help_heading = "View")]
     pub camera: Option<String>,
+
+    /// Add a ball that is round at any distance, given by its centre and radius in the model's coordinates; may be repeated
+    #[arg(
+        long = "sphere",
+        value_name = "X,Y,Z:RADIUS",
+        value_parser = sphere,
+        allow_hyphen_values = true,
+        help_heading = "View"
+    )]
+    pub spheres: Vec<(DVec3, f64)>,
 
     /// Show how the shadows were determined, with a legend
     #[arg(long, value_name = "WHAT", help_heading = "View")]

@@ -102,6 +102,18 @@ pub fn spot(text: &str) -> Result<SpotPlace, String> {
     Ok(SpotPlace { position: xyz(position)?, axis, outer_deg: cone_deg(outer)? })
 }
 
+/// `0,0,2:1.5` into a centre and a radius.
+///
+/// # Errors
+///
+/// A sentence when it is not two parts, the centre is not as in [`xyz`], or the radius not as in [`metres`].
+pub fn sphere(text: &str) -> Result<(DVec3, f64), String> {
+    let (center, radius) = text.split_once(':').ok_or_else(|| {
+        format!("`{text}` is not a sphere; write its centre and its radius in metres, such as 10,-4.5,6:1.5")
+    })?;
+    Ok((xyz(center)?, metres(radius)?))
+}
+
 /// `30` into degrees from the middle of a cone to its edge.
 ///
 /// # Errors
@@ -186,6 +198,14 @@ mod tests {
         assert_eq!(picture_size("640x480"), Ok([640, 480]));
         for bad in ["0x0", "640x0", "640", "x", "-1x5", "640x480x3", "1e3x4", "16385x1"] {
             assert!(picture_size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn spheres_are_a_point_and_a_length() {
+        assert_eq!(sphere("1,-2,3:0.5"), Ok((DVec3::new(1.0, -2.0, 3.0), 0.5)));
+        for bad in ["1,2,3", "1,2:3", "1,2,3:0", "1,2,3:-1", "1,2,3:4:5", ":"] {
+            assert!(sphere(bad).is_err(), "{bad}");
         }
     }
 

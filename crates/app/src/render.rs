@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
+use glam::{DVec3, Vec3};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Bounds, Camera, Caster, Light, Oracle, Scene};
+use umbrae_core::{Bounds, Camera, Caster, Light, Oracle, Scene, Sphere};
 use umbrae_render::{
     AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
 };
@@ -15,17 +16,23 @@ use crate::cli::{Method, Posing, RenderArgs};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
-use crate::report::{CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, Times, VerifyJson};
+use crate::report::{
+    CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, SphereReport, Times, VerifyJson,
+};
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
+
+/// Of balls, which have no material: linear, a light and quiet grey.
+const SPHERE_COLOR: Vec3 = Vec3::splat(0.7);
 
 /// Everything a picture is made of, ready to draw.
 struct Stage {
     renderer: Renderer,
     gpu_scene: GpuScene,
     casters: Vec<Caster>,
+    spheres: Vec<Sphere>,
     camera: Camera,
     lights: Vec<Light>,
     shadows: ShadowOptions,
@@ -45,8 +52,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let start = Instant::now();
     let (mut scene, files) = load_all(&args.models, args.up, args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
-    let model = scene.bounds();
-    let choice = view_choice(args);
+    let spheres = spheres(args, scene.origin);
+    let model = spheres.iter().fold(scene.bounds(), |bounds, sphere| bounds.union(sphere.bounds()));
+    let choice = ViewChoice { spheres: spheres.clone(), ..view_choice(args) };
     let ground = (!args.no_ground).then(|| ground_under(&model));
     ensure_drawable(&scene, &model, ground.as_ref()).with_context(|| format!("can't draw {}", names(&args.models)))?;
     let camera = camera(&choice, &scene, &model, ground.as_ref())?;
@@ -77,7 +85,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;
     }
     times.upload = ms_since(start);
-    let stage = Stage { renderer, gpu_scene, casters, camera, lights, shadows: args.shadows.options(), look };
+    let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows: args.shadows.options(), look };
 
     let start = Instant::now();
     let mut picture = stage.picture()?;
@@ -100,6 +108,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         models: files.iter().map(ModelReport::new).collect(),
         origin: origin.to_array(),
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
+        spheres: stage.spheres.iter().map(|sphere| SphereReport::new(sphere, origin)).collect(),
         camera: CameraReport::new(&camera, origin),
         time: args.time,
         animation: args.animation.clone(),
@@ -112,7 +121,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
             .enumerate()
             .map(|(i, (light, report))| {
                 let costs = costs.as_ref().map(|costs| costs[i]);
-                LightJson::new(light, report, costs, &stage.casters, origin)
+                LightJson::new(light, report, costs, (&stage.casters, &stage.spheres), origin)
             })
             .collect(),
         passes: picture.passes.iter().map(Into::into).collect(),
@@ -202,6 +211,7 @@ impl Stage {
         Shot {
             scene: &self.gpu_scene,
             casters: &self.casters,
+            spheres: &self.spheres,
             camera: &self.camera,
             lights: &self.lights,
             shadows: self.shadows,
@@ -301,7 +311,7 @@ impl Outputs {
 
 /// Draws each light's mask and compares it with rays; says the result, and returns it with a picture of the first light with errors.
 fn verify(stage: &Stage, scene: &Scene, talk: &Talk) -> anyhow::Result<(VerifyJson, Option<Vec<u8>>)> {
-    let oracle = Oracle::with_materials(&stage.casters, &scene.materials, &scene.textures);
+    let oracle = Oracle::with_materials(&stage.casters, &scene.materials, &scene.textures).with_spheres(&stage.spheres);
     let [width, height] = stage.camera.size_px();
     let bar = talk.progress("casting rays", height.into());
     let judged = oracle.judge(&stage.camera, &stage.lights, || bar.inc(1));
@@ -340,7 +350,19 @@ fn view_choice(args: &RenderArgs) -> ViewChoice {
         target: args.target,
         fov_deg: args.fov,
         camera_name: args.camera.clone(),
+        spheres: Vec::new(),
     }
+}
+
+/// The balls of `--sphere` in a scene about `origin`.
+fn spheres(args: &RenderArgs, origin: DVec3) -> Vec<Sphere> {
+    let named = |(number, &(center, radius)): (usize, &(DVec3, f64))| Sphere {
+        name: format!("sphere {}", number + 1),
+        center: center - origin,
+        radius,
+        base_color: SPHERE_COLOR,
+    };
+    args.spheres.iter().enumerate().map(named).collect()
 }
 
 /// The lights as they are drawn: each lamp as many if it is to have a size.

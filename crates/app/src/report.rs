@@ -7,7 +7,7 @@ mod light;
 
 use glam::DVec3;
 use serde::Serialize;
-use umbrae_core::Camera;
+use umbrae_core::{Camera, Sphere};
 use umbrae_formats::UpAxis;
 use umbrae_render::{Comparison, PassTime, ShadowOptions};
 
@@ -39,6 +39,9 @@ pub struct Report {
     pub origin: [f64; 3],
     /// Absent with `--no-ground`.
     pub ground: Option<GroundReport>,
+    /// With `--sphere`; drawn and casting like everything else.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub spheres: Vec<SphereReport>,
     /// The eye.
     pub camera: CameraReport,
     /// Samples a pixel of the picture.
@@ -112,6 +115,24 @@ impl GroundReport {
             center: (ground.center + origin.truncate()).to_array(),
             half_extent: ground.half_extent_m,
         }
+    }
+}
+
+/// A ball that is no mesh.
+#[derive(Debug, Serialize)]
+pub struct SphereReport {
+    /// As its entries among the casters of each light have it.
+    name: String,
+    /// Its middle.
+    center: [f64; 3],
+    /// Metres.
+    radius: f64,
+}
+
+impl SphereReport {
+    /// `sphere` of a scene about `origin`.
+    pub fn new(sphere: &Sphere, origin: DVec3) -> Self {
+        Self { name: sphere.name.clone(), center: (sphere.center + origin).to_array(), radius: sphere.radius }
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{bail, ensure};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
-use umbrae_core::{Bounds, Camera, LightPosition, Material, Mesh, Object, Scene, Surface};
+use umbrae_core::{Bounds, Camera, LightPosition, Material, Mesh, Object, Scene, Sphere, Surface};
 
 /// What the user said about the view; positions in the model's coordinates.
 #[derive(Debug, Clone, Default)]
@@ -19,6 +19,8 @@ pub struct ViewChoice {
     pub fov_deg: Option<f64>,
     /// A camera of the model.
     pub camera_name: Option<String>,
+    /// What is to be in a picture that frames the model, besides it; scene space.
+    pub spheres: Vec<Sphere>,
 }
 
 /// The ground plane: two triangles just under the model, far larger than it.
@@ -125,7 +127,7 @@ pub fn camera(choice: &ViewChoice, scene: &Scene, model: &Bounds, ground: Option
         let [azimuth, altitude] = DEFAULT_EYE_DEG.map(f64::to_radians);
         let from_eye = -LightPosition::sun(azimuth, altitude).homogeneous().truncate();
         let direction_only = make(DVec3::ZERO, from_eye, least_near)?;
-        let eye = framing_eye(&direction_only, scene);
+        let eye = framing_eye(&direction_only, scene, &choice.spheres);
         // What the user wants in the middle goes there, from as far away as frames the model.
         let middle = target.unwrap_or(eye + from_eye * (model.center() - eye).dot(from_eye));
         (middle - from_eye * (middle - eye).dot(from_eye), middle)
@@ -168,23 +170,25 @@ fn named_camera<'a>(scene: &'a Scene, name: &str) -> anyhow::Result<&'a umbrae_c
     bail!("there is no camera `{name}`; the model has {}", names.join(", "));
 }
 
-/// The nearest eye from which a camera that looks as `camera` does sees every vertex of `scene`, the model as large as it can be and in the
-/// middle.
-fn framing_eye(camera: &Camera, scene: &Scene) -> DVec3 {
+/// The nearest eye from which a camera that looks as `camera` does sees every vertex of `scene` and all of `spheres`, as large as they can be and
+/// in the middle.
+fn framing_eye(camera: &Camera, scene: &Scene, spheres: &[Sphere]) -> DVec3 {
     let [right, up, forward] = camera.axes();
     let half = camera.half_extent() / MARGIN;
     // A point (x, y, z) along these axes is in the picture of an eye (u, v, w) where |x - u| <= half.x (z - w), that is, where
     // u - half.x w is at least x - half.x z, and -u - half.x w at least -x - half.x z; and so for y.
     let mut least = [f64::NEG_INFINITY; 4];
-    for object in &scene.objects {
-        for p in object.positions() {
-            let (x, y, z) = (p.dot(right), p.dot(up), p.dot(forward));
-            let bounds = [x - half.x * z, -x - half.x * z, y - half.y * z, -y - half.y * z];
-            for (least, bound) in least.iter_mut().zip(bounds) {
-                *least = least.max(bound);
-            }
+    // And for a ball, whose tangents are these planes.
+    let steepness = [half.x, half.x, half.y, half.y].map(|half| half.hypot(1.0));
+    let mut add = |p: DVec3, radius: f64| {
+        let (x, y, z) = (p.dot(right), p.dot(up), p.dot(forward));
+        let bounds = [x - half.x * z, -x - half.x * z, y - half.y * z, -y - half.y * z];
+        for ((least, bound), steepness) in least.iter_mut().zip(bounds).zip(steepness) {
+            *least = least.max(bound + radius * steepness);
         }
-    }
+    };
+    scene.objects.iter().flat_map(Object::positions).for_each(|p| add(p, 0.0));
+    spheres.iter().for_each(|sphere| add(sphere.center, sphere.radius));
     let [right_most, left_most, upper_most, lower_most] = least;
     let depth = (-(right_most + left_most) / (2.0 * half.x)).min(-(upper_most + lower_most) / (2.0 * half.y));
     // A flat or single point needs no distance; keep some.

@@ -150,6 +150,7 @@ fn mask(
         shadows,
         look: &Look::NONE,
         overlay: None,
+        spheres: &[],
     };
     pollster::block_on(renderer.mask(&shot, light)).unwrap()
 }

@@ -14,6 +14,7 @@
 mod border;
 mod coincident;
 mod cut_out;
+mod spheres;
 
 use std::sync::Arc;
 
@@ -22,7 +23,8 @@ use rayon::prelude::*;
 
 use self::border::reaches;
 use self::cut_out::{CutOuts, Presence};
-use crate::{Camera, Caster, Hit, Light, LightPosition, Material, RayCaster, Texture};
+use self::spheres::SeenSphere;
+use crate::{Camera, Caster, Hit, Light, LightPosition, Material, RayCaster, Sphere, Texture};
 
 /// What one ray says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +91,8 @@ pub struct Oracle {
     /// What casts; `None` where that is just what is seen.
     casting: Option<RayCaster>,
     cut_outs: Option<CutOuts>,
+    /// Seen and casting, rounded as they are drawn.
+    spheres: Vec<Sphere>,
     /// The largest coordinate.
     scale: f64,
     lift: f64,
@@ -124,6 +128,7 @@ impl Oracle {
             seen: rays_of(is_seen),
             casting: (!is_one).then(|| rays_of(casts)),
             cut_outs: CutOuts::new(casters, materials, textures),
+            spheres: Vec::new(),
             scale,
             lift: LIFT * scale,
         }
@@ -171,7 +176,7 @@ impl Oracle {
     }
 
     /// What the nine rays of the pixel about `(x, y)` see, and what else may be drawn at its centre; `None` where that
-    /// settles that it is undecided, because the five nearest to the centre don't see the same triangles and the same one first (or nothing), or
+    /// settles that it is undecided, because the five nearest to the centre don't see the same surfaces and the same one first (or nothing), or
     /// some ray can't tell a surface from a hole in it.
     fn sights_around(&self, eye: &Eye, [x, y]: [f64; 2], center: &Sight) -> Option<Vec<Sight>> {
         if matches!(center, Sight::Unsure) {
@@ -183,7 +188,7 @@ impl Oracle {
         for (i, [dx, dy]) in OFFSETS.into_iter().enumerate() {
             let [x, y] = [x + dx, y + dy];
             let sight = self.sight(eye, [x, y], Some(center));
-            let is_off_center = i < 4 && sight.triangle() != center.triangle();
+            let is_off_center = i < 4 && sight.surface() != center.surface();
             if is_off_center || matches!(sight, Sight::Unsure) {
                 return None;
             }
@@ -202,6 +207,10 @@ impl Oracle {
     /// What the ray at `(x, y)` in pixels meets first. It is likely to be the triangle that `neighbour` met.
     fn sight(&self, eye: &Eye, [x, y]: [f64; 2], neighbour: Option<&Sight>) -> Sight {
         let direction = eye.direction(x, y);
+        self.or_nearer_sphere(eye, direction, self.sight_of_triangles(eye, direction, neighbour))
+    }
+
+    fn sight_of_triangles(&self, eye: &Eye, direction: DVec3, neighbour: Option<&Sight>) -> Sight {
         let presence = |hit: &Hit| self.presence(eye, direction, hit);
         let stops = |hit: &Hit| presence(hit) != Presence::Hole;
         // The near plane cuts by view depth, which is what the parameter of this ray measures.
@@ -250,6 +259,9 @@ impl Oracle {
     /// `None` where the surface is edge-on, or on the light's border, or what is in the way is beside it; dark for
     /// another reason is dark all the same.
     fn verdict(&self, eye: &Eye, sight: &Sight, light: &Light, in_the_way: &mut Option<Hit>) -> Option<Verdict> {
+        if let Sight::Sphere(seen) = sight {
+            return self.verdict_on_sphere(seen, light, in_the_way);
+        }
         let Some(seen) = sight.seen() else { return Some(Verdict::NoSurface) };
         let to_light = light.position.offset_from(seen.point);
         let is_reached = if light.cone.is_none() && light.range_m.is_none() {
@@ -278,6 +290,20 @@ impl Oracle {
     /// Whether something between `point` and the light casts, and leaves in `in_the_way` what it is; `None` where all
     /// that is there holds the light in its plane.
     fn is_shaded(
+        &self,
+        point: DVec3,
+        to_light: DVec3,
+        distance: f64,
+        light: LightPosition,
+        in_the_way: &mut Option<Hit>,
+    ) -> Option<bool> {
+        if self.spheres.iter().any(|sphere| sphere.shades(point, light)) {
+            return Some(true);
+        }
+        self.is_shaded_by_triangles(point, to_light, distance, light, in_the_way)
+    }
+
+    fn is_shaded_by_triangles(
         &self,
         point: DVec3,
         to_light: DVec3,
@@ -347,6 +373,7 @@ impl Eye {
 enum Sight {
     Nothing,
     Surface(Seen),
+    Sphere(SeenSphere),
     /// What may be a surface or a hole in it.
     Unsure,
 }
@@ -364,9 +391,13 @@ impl Sight {
         if let Self::Surface(seen) = self { Some(seen) } else { None }
     }
 
-    /// Part and triangle.
-    fn triangle(&self) -> Option<(u32, u32)> {
-        self.seen().map(|seen| (seen.hit.part, seen.hit.triangle))
+    /// Part and triangle, or no part and the sphere.
+    fn surface(&self) -> Option<(Option<u32>, u32)> {
+        match self {
+            Self::Nothing | Self::Unsure => None,
+            Self::Surface(seen) => Some((Some(seen.hit.part), seen.hit.triangle)),
+            Self::Sphere(seen) => Some((None, seen.sphere)),
+        }
     }
 }
 

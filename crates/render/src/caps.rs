@@ -18,6 +18,8 @@ pub struct Caps {
     pub has_timestamps: bool,
     /// Float depth where the device has it: reversed, it is precise at every distance.
     pub depth_stencil_format: wgpu::TextureFormat,
+    /// Whether fragments can be shaded at each sample.
+    pub shades_samples: bool,
     /// A float that can be added to: of 32 bits, or of 16, exact up to 2048.
     pub tally_format: wgpu::TextureFormat,
 }
@@ -41,6 +43,7 @@ impl Caps {
         Self {
             tier: if is_full { Tier::Full } else { Tier::Basic },
             has_timestamps: has(wgpu::Features::TIMESTAMP_QUERY),
+            shades_samples: flags.contains(wgpu::DownlevelFlags::MULTISAMPLED_SHADING),
             depth_stencil_format: if has(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
                 wgpu::TextureFormat::Depth32FloatStencil8
             } else {

@@ -1,7 +1,7 @@
 //! One frame, in the order in which it happens. Read this file first.
 //!
 //! ```text
-//! surface                every opaque triangle: depth, ambient light
+//! surface                every opaque triangle and sphere: depth, ambient light
 //! for each light that reaches the view:
 //!   volumes              the mark, then the shadow volumes into the stencil
 //!   light                this light, added where the stencil says that it reaches
@@ -10,7 +10,9 @@
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
-use crate::passes::{GlassFrame, GlassPass, GpuOverlay, LightPass, OverlayPass, SurfacePass, TonePass};
+use crate::passes::{
+    GlassFrame, GlassPass, GpuOverlay, GpuSpheres, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass,
+};
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::timing::PassTimer;
 use crate::{GpuScene, Targets};
@@ -21,6 +23,7 @@ pub(crate) struct Passes {
     pub(crate) surface: SurfacePass,
     pub(crate) shadows: Shadows,
     pub(crate) light: LightPass,
+    pub(crate) spheres: SpherePass,
 }
 
 /// What the passes draw and where; all borrowed, nothing owned.
@@ -28,6 +31,7 @@ pub(crate) struct Passes {
 pub(crate) struct Frame<'a> {
     pub(crate) targets: &'a Targets,
     pub(crate) scene: &'a GpuScene,
+    pub(crate) spheres: &'a GpuSpheres,
     pub(crate) view: &'a wgpu::BindGroup,
     pub(crate) shadow_view: &'a ShadowView,
     pub(crate) lights: &'a [FrameLight],
@@ -69,6 +73,7 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
         let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
         light.shadows.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
         passes.light.draw(&mut pass, frame.scene, light.shadows.group());
+        passes.spheres.draw_light(&mut pass, frame.spheres, light.shadows.group());
     }
     if let Some((glass_pass, glass)) = frame.glass {
         let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);
@@ -124,12 +129,14 @@ fn record_surface(
     let color = color_attachment(frame.targets, clear_color, is_last);
     let mut pass = begin(encoder, frame, "surface", Some(color), clear_depth, timer);
     passes.surface.draw(&mut pass, frame.scene);
+    passes.spheres.draw_surface(&mut pass, frame.spheres);
 }
 
 fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight, pass: &mut wgpu::RenderPass<'_>) {
     if light.shadows.marks_receivers() {
         light.shadows.rect().into_iter().for_each(|rect| set_scissor(pass, rect));
         passes.light.draw_mark(pass, frame.scene, light.shadows.group());
+        passes.spheres.draw_mark(pass, frame.spheres, light.shadows.group());
     } else {
         passes.shadows.draw_reach(pass, frame.shadow_view, &light.shadows);
     }

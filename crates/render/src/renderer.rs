@@ -1,9 +1,11 @@
 //! A scene, a camera and lights into a picture or a mask.
 
-use umbrae_core::{Camera, Caster, Light};
+use umbrae_core::{Camera, Caster, Light, Sphere};
 
 use crate::frame::{self, Frame, FrameLight, Passes};
-use crate::passes::{GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SurfacePass, TonePass, uniform_group};
+use crate::passes::{
+    GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
+};
 use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
@@ -33,6 +35,8 @@ pub struct Shot<'a> {
     pub scene: &'a GpuScene,
     /// What is drawn and casts.
     pub casters: &'a [Caster],
+    /// Drawn and casting besides, as they are and not as triangles.
+    pub spheres: &'a [Sphere],
     /// The eye; its size is the target's.
     pub camera: &'a Camera,
     /// Any number.
@@ -46,9 +50,18 @@ pub struct Shot<'a> {
 }
 
 impl<'a> Shot<'a> {
-    /// With default shadows, neither exposure nor fading, and nothing laid over.
+    /// With default shadows, neither spheres, exposure nor fading, and nothing laid over.
     pub fn new(scene: &'a GpuScene, casters: &'a [Caster], camera: &'a Camera, lights: &'a [Light]) -> Self {
-        Self { scene, casters, camera, lights, shadows: ShadowOptions::default(), look: &Look::NONE, overlay: None }
+        Self {
+            scene,
+            casters,
+            spheres: &[],
+            camera,
+            lights,
+            shadows: ShadowOptions::default(),
+            look: &Look::NONE,
+            overlay: None,
+        }
     }
 }
 
@@ -89,6 +102,7 @@ impl Renderer {
                 surface: SurfacePass::new(&gpu, &layouts, output, samples),
                 shadows: Shadows::new(&gpu, &target),
                 light: LightPass::new(&gpu, &layouts, output, samples),
+                spheres: SpherePass::new(&gpu, &layouts, output, samples),
             }
         };
         let picture = passes(Output::Picture, samples);
@@ -162,7 +176,8 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
     ) -> Result<Vec<LightReport>, GpuError> {
-        let shadow_view = self.picture.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let shadow_view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+        let spheres = self.picture.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
         let lights = shot
             .lights
             .iter()
@@ -175,7 +190,9 @@ impl Renderer {
         let overlay = shot.overlay.map(|overlay| self.upload_overlay(overlay, shot.camera)).transpose()?;
         let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
         let shadow_view = &shadow_view;
-        let frame = Frame { targets, scene: shot.scene, view: &view, shadow_view, lights: &lights, glass, overlay };
+        let spheres = &spheres;
+        let frame =
+            Frame { targets, scene: shot.scene, spheres, view: &view, shadow_view, lights: &lights, glass, overlay };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
@@ -189,13 +206,15 @@ impl Renderer {
     /// As [`Renderer::picture`].
     pub async fn mask(&self, shot: &Shot<'_>, light: &Light) -> Result<Mask, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
-        let shadow_view = self.mask.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
         let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder("mask");
         let frame = Frame {
             targets: &targets,
             scene: shot.scene,
+            spheres: &spheres,
             view: &view,
             shadow_view: &shadow_view,
             lights: &lights,
@@ -248,13 +267,15 @@ impl Renderer {
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
         let sums = readable_texture(&self.gpu, "tally", self.tally.format, size_px);
         let to = sums.create_view(&wgpu::TextureViewDescriptor::default());
-        let shadow_view = self.mask.shadows.view(&self.gpu, shot.casters, shot.camera);
+        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
         let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder("tally");
         let frame = Frame {
             targets: &targets,
             scene: shot.scene,
+            spheres: &spheres,
             view: &view,
             shadow_view: &shadow_view,
             lights: &lights,

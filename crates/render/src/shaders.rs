@@ -12,6 +12,19 @@ pub(crate) fn glass(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "glass", &[VIEW, LIGHT, SURFACE, include_str!("shaders/glass.wgsl")])
 }
 
+/// With `is_per_sample`, edges are found at each sample; devices that can't do that find them at each pixel.
+pub(crate) fn sphere(device: &wgpu::Device, is_per_sample: bool) -> wgpu::ShaderModule {
+    let source = include_str!("shaders/sphere.wgsl");
+    let per_pixel;
+    let source = if is_per_sample {
+        source
+    } else {
+        per_pixel = source.replace("@interpolate(perspective, sample)", "@interpolate(perspective, center)");
+        &per_pixel
+    };
+    module(device, "sphere", &[VIEW, LIGHT, SURFACE, source])
+}
+
 pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
 }

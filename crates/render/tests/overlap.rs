@@ -125,6 +125,7 @@ fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
                     shadows,
                     look: &Look::NONE,
                     overlay: None,
+                    spheres: &[],
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp())).unwrap().verdicts;
                 let what = format!("{count} sheets, {stack:?}, camera {i}, {method:?}");
@@ -155,8 +156,16 @@ fn with_four_samples_the_floor_under_hundreds_of_sheets_looks_as_if_there_were_n
         for camera in &cameras()[..2] {
             let picture = |lights: &[Light]| {
                 let shadows = ShadowOptions::default();
-                let shot =
-                    Shot { scene: &gpu_scene, casters: &casters, camera, lights, shadows, look: &look, overlay: None };
+                let shot = Shot {
+                    scene: &gpu_scene,
+                    casters: &casters,
+                    camera,
+                    lights,
+                    shadows,
+                    look: &look,
+                    overlay: None,
+                    spheres: &[],
+                };
                 pollster::block_on(renderer.picture(&shot)).unwrap().rgba
             };
             let (with_lamp, without) = (picture(&[lamp()]), picture(&[]));

@@ -42,6 +42,7 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
         shadows: ShadowOptions::default(),
         look: &look,
         overlay: None,
+        spheres: &[],
     };
     let picture = pollster::block_on(headless.picture(&shot)).expect("a small picture");
 

@@ -92,6 +92,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
                     shadows,
                     look: &look,
                     overlay: None,
+                    spheres: &[],
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use serde::Serialize;
-use umbrae_core::{Case, Caster, Cone, Light, PixelRect};
+use umbrae_core::{Case, Caster, Cone, Light, PixelRect, Role, Sphere};
 use umbrae_render::{CasterReport, Fate, LightReport, Why};
 
 /// One light and what it drew.
@@ -49,7 +49,7 @@ pub struct LightJson {
     /// With `--count-fragments`: the same with nothing left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     cost_without_culling: Option<Cost>,
-    /// One entry for each object, the ground last; an object in which only some triangles cast has two, of one name.
+    /// One entry for each object, the ground last, and then for each sphere; an object in which only some triangles cast has two, of one name.
     casters: Vec<CasterJson>,
 }
 
@@ -59,13 +59,13 @@ impl LightJson {
         light: &Light,
         report: &LightReport,
         measured: Option<[Cost; 2]>,
-        casters: &[Caster],
+        (casters, spheres): (&[Caster], &[Sphere]),
         origin: DVec3,
     ) -> Self {
         let xyz = light.position.homogeneous().truncate();
         let is_directional = light.position.is_directional();
         let intensity = light.strength.max_element();
-        let in_case = |number| report.casters.iter().filter(|c| c.case().map(Case::number) == Some(number)).count();
+        let in_case = |number| all(report).filter(|c| c.case().map(Case::number) == Some(number)).count();
         let (cost, cost_without_culling) = match measured {
             Some([with, without]) => (with, Some(without)),
             None => (Cost::new(report, None), None),
@@ -91,7 +91,17 @@ impl LightJson {
             culled: Culled::new(report),
             cost,
             cost_without_culling,
-            casters: casters.iter().zip(&report.casters).map(|(c, r)| CasterJson::new(c, r)).collect(),
+            casters: casters
+                .iter()
+                .zip(&report.casters)
+                .map(|(caster, report)| CasterJson::new("mesh", &caster.name, caster.role, report))
+                .chain(
+                    spheres
+                        .iter()
+                        .zip(&report.spheres)
+                        .map(|(sphere, report)| CasterJson::new("sphere", &sphere.name, Role::default(), report)),
+                )
+                .collect(),
         }
     }
 }
@@ -148,7 +158,7 @@ struct Culled {
 impl Culled {
     fn new(report: &LightReport) -> Self {
         let mut culled = Self::default();
-        for caster in &report.casters {
+        for caster in all(report) {
             match caster.fate {
                 Fate::NotCasting => culled.not_casting += 1,
                 Fate::LightUnseen => culled.light_out_of_view += 1,
@@ -176,7 +186,7 @@ pub struct Cost {
 impl Cost {
     /// Of what `report` tells, with the fragments if they were counted.
     pub fn new(report: &LightReport, fragments: Option<u64>) -> Self {
-        let of_all = |part: fn(&CasterReport) -> usize| report.casters.iter().map(part).sum();
+        let of_all = |part: fn(&CasterReport) -> usize| all(report).map(part).sum();
         Self {
             triangles: TrianglesByPart {
                 sides: of_all(|caster| caster.side_triangles),
@@ -189,10 +199,17 @@ impl Cost {
     }
 }
 
+/// What casts, meshes first.
+fn all(report: &LightReport) -> impl Iterator<Item = &CasterReport> {
+    report.casters.iter().chain(&report.spheres)
+}
+
 /// One caster under one light.
 #[derive(Debug, Serialize)]
 struct CasterJson {
     name: String,
+    /// "mesh" or "sphere".
+    kind: &'static str,
     /// Whether it casts at all: see `--cast`, `--no-cast` and `--glass-casts`.
     casts: bool,
     /// Whether what is behind it shows through.
@@ -234,12 +251,13 @@ struct TrianglesByPart {
 }
 
 impl CasterJson {
-    fn new(caster: &Caster, report: &CasterReport) -> Self {
+    fn new(kind: &'static str, name: &str, role: Role, report: &CasterReport) -> Self {
         let why = if let Fate::Drawn { why, .. } = report.fate { Some(why) } else { None };
         Self {
-            name: caster.name.clone(),
-            casts: caster.role.casts,
-            is_glass: caster.role.is_glass,
+            name: name.to_owned(),
+            kind,
+            casts: role.casts,
+            is_glass: role.is_glass,
             fate: match report.fate {
                 Fate::NotCasting => "not casting",
                 Fate::LightUnseen => "light out of view",

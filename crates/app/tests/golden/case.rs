@@ -164,6 +164,7 @@ impl Case {
             shadows,
             look: &look,
             overlay: None,
+            spheres: &[],
         };
         let drawn = renderer.picture(&shot);
         let rgb =

@@ -23,7 +23,7 @@ impl Oracle {
         let (mut count, mut are_known) = (0, true);
         self.for_each_coincident(eye, direction, seen, |hit| {
             count += 1;
-            are_known &= others.iter().any(|other| other.triangle() == Some((hit.part, hit.triangle)));
+            are_known &= others.iter().any(|other| other.surface() == Some((Some(hit.part), hit.triangle)));
         });
         are_known && count == others.len()
     }

@@ -19,23 +19,9 @@ pub(crate) struct LightPass {
 
 impl LightPass {
     pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, output: Output, samples: u32) -> Self {
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
         let (entry_point, blend) = match output {
-            Output::Picture => ("fs_light", Some(wgpu::BlendState { color: add, alpha: add })),
+            Output::Picture => ("fs_light", Some(ADD)),
             Output::Mask => ("fs_lit_mask", None),
-        };
-        let unshaded =
-            wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
-        let depth_stencil = |face, write_mask| wgpu::DepthStencilState {
-            format: gpu.caps.depth_stencil_format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Equal),
-            stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask },
-            bias: wgpu::DepthBiasState::default(),
         };
         let light = SurfacePipelines::new(
             gpu,
@@ -46,14 +32,9 @@ impl LightPass {
                 layout: &layouts.view_light_and_finish,
                 entry_point,
                 blend,
-                depth_stencil: depth_stencil(unshaded, 0),
+                depth_stencil: where_unshaded(gpu),
             },
         );
-        let set = wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Always,
-            pass_op: wgpu::StencilOperation::Replace,
-            ..wgpu::StencilFaceState::IGNORE
-        };
         let mark = SurfacePipelines::new(
             gpu,
             None,
@@ -63,7 +44,7 @@ impl LightPass {
                 layout: &layouts.view_light_and_finish,
                 entry_point: "fs_mark",
                 blend: None,
-                depth_stencil: depth_stencil(set, 0xFF),
+                depth_stencil: setting_the_mark(gpu),
             },
         );
         Self { light, mark }
@@ -88,5 +69,41 @@ impl LightPass {
         pass.set_stencil_reference(LIT);
         pass.set_bind_group(1, light, &[]);
         pipelines.draw(pass, scene);
+    }
+}
+
+/// What is drawn is added.
+pub(super) const ADD: wgpu::BlendState = {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState { color: add, alpha: add }
+};
+
+/// On what is seen and has the reference in the stencil.
+pub(super) fn where_unshaded(gpu: &Gpu) -> wgpu::DepthStencilState {
+    on_what_is_seen(gpu, wgpu::CompareFunction::Equal, wgpu::StencilOperation::Keep, 0)
+}
+
+/// On what is seen; the stencil gets the reference.
+pub(super) fn setting_the_mark(gpu: &Gpu) -> wgpu::DepthStencilState {
+    on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Replace, 0xFF)
+}
+
+fn on_what_is_seen(
+    gpu: &Gpu,
+    compare: wgpu::CompareFunction,
+    pass_op: wgpu::StencilOperation,
+    write_mask: u32,
+) -> wgpu::DepthStencilState {
+    let face = wgpu::StencilFaceState { compare, pass_op, ..wgpu::StencilFaceState::IGNORE };
+    wgpu::DepthStencilState {
+        format: gpu.caps.depth_stencil_format,
+        depth_write_enabled: Some(false),
+        depth_compare: Some(wgpu::CompareFunction::Equal),
+        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask },
+        bias: wgpu::DepthBiasState::default(),
     }
 }

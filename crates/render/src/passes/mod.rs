@@ -4,6 +4,7 @@ mod glass;
 mod light;
 mod overlay;
 mod pose;
+mod sphere;
 mod surface;
 mod tone;
 
@@ -11,6 +12,7 @@ pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::LightPass;
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use pose::{PoseBuffers, PosePass, PosedUniform};
+pub(crate) use sphere::{GpuSpheres, SpherePass};
 pub(crate) use surface::SurfacePass;
 pub(crate) use tone::TonePass;
 

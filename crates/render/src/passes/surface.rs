@@ -31,13 +31,7 @@ impl SurfacePass {
                 layout: &layouts.view_and_finish,
                 entry_point,
                 blend: None,
-                depth_stencil: wgpu::DepthStencilState {
-                    format: gpu.caps.depth_stencil_format,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                },
+                depth_stencil: nearest(gpu),
             },
         );
         Self { pipelines }
@@ -45,6 +39,17 @@ impl SurfacePass {
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene) {
         self.pipelines.draw(pass, scene);
+    }
+}
+
+/// What is nearest stays.
+pub(super) fn nearest(gpu: &Gpu) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: gpu.caps.depth_stencil_format,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
     }
 }
 

@@ -63,7 +63,11 @@ fn seen_normal(fragment: Fragment) -> vec3f {
 
 // 1 near the model, 0 where the ground has faded into the sky.
 fn presence(fragment: Fragment) -> f32 {
-    let d = distance(fragment.position_world, view.fade_center_world);
+    return presence_at(fragment.position_world);
+}
+
+fn presence_at(point_world: vec3f) -> f32 {
+    let d = distance(point_world, view.fade_center_world);
     return 1.0 - smoothstep(view.fade_start, view.fade_end, d);
 }
 
@@ -86,8 +90,12 @@ fn is_cut_out(fragment: Fragment) -> bool {
 
 // The light that comes from everywhere, for white.
 fn ambient(fragment: Fragment) -> vec3f {
-    let n = seen_normal(fragment);
-    let to_eye = normalize(view.eye_world - fragment.position_world);
+    return ambient_on(seen_normal(fragment), fragment.position_world);
+}
+
+// For a seen side with the unit normal `n`.
+fn ambient_on(n: vec3f, point_world: vec3f) -> vec3f {
+    let to_eye = normalize(view.eye_world - point_world);
     // Sky from above, reflected ground from below, and a little from the eye's side so that no two faces merge.
     let hemisphere = mix(vec3f(0.150, 0.140, 0.130), vec3f(0.270, 0.305, 0.360), 0.5 + 0.5 * n.z);
     let fill = 0.10 * max(dot(n, to_eye), 0.0);
@@ -116,8 +124,12 @@ fn reaches_seen_side(from_light: Light, fragment: Fragment) -> bool {
 
 // Where the light reaches the seen side.
 fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
-    let offset = offset_to_light(from_light, fragment.position_world);
-    let cosine = dot(seen_normal(fragment), offset) * inverseSqrt(dot(offset, offset));
+    return irradiance_on(from_light, seen_normal(fragment), fragment.position_world);
+}
+
+fn irradiance_on(from_light: Light, n: vec3f, point_world: vec3f) -> vec3f {
+    let offset = offset_to_light(from_light, point_world);
+    let cosine = dot(n, offset) * inverseSqrt(dot(offset, offset));
     return from_light.strength * (max(cosine, 0.0) * attenuation(from_light, offset));
 }
 

@@ -6,6 +6,7 @@
 //! ```text
 //!   options    what may be left out                 plan       fates, cases, batches
 //!   casters    vertices, uploaded once              emit       faces as indices
+//!   spheres    volumes of spheres, as vertices
 //!   pipelines  stencil states                       report     what was drawn and why
 //!   tally      counts and fill as numbers
 //! ```
@@ -18,9 +19,10 @@ mod options;
 mod pipelines;
 mod plan;
 mod report;
+mod spheres;
 mod tally;
 
-use umbrae_core::{Camera, Caster, Light, PixelRect};
+use umbrae_core::{Camera, Caster, Light, PixelRect, Sphere};
 use web_time::Instant;
 use wgpu::util::DeviceExt as _;
 
@@ -34,7 +36,7 @@ use crate::passes::{Layouts, uniform_group};
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, Look};
 use pipelines::{MARK, Pipelines};
-use plan::{Batch, Draw, Plan, Seen};
+use plan::{Batch, Draw, Plan, Seen, Source};
 
 /// The stencil value where a light reaches: draw the light with compare `Equal` and this reference.
 pub const LIT: u32 = MARK;
@@ -61,6 +63,7 @@ pub struct ShadowLight {
     mark: Option<wgpu::Buffer>,
     short: Option<wgpu::Buffer>,
     long: Option<wgpu::Buffer>,
+    loose: Option<wgpu::Buffer>,
     /// What is drawn and why.
     pub report: LightReport,
 }
@@ -101,9 +104,14 @@ impl Shadows {
     /// Depth must have been drawn with [`Camera::clip_from_world`] rounded to `f32`, from the casters' own positions, as
     /// `clip_from_world * vec4(position, 1)` with an `@invariant` position.
     pub fn view(&self, gpu: &Gpu, casters: &[Caster], camera: &Camera) -> ShadowView {
+        self.view_with_spheres(gpu, casters, &[], camera)
+    }
+
+    /// As [`Shadows::view`], with `spheres` that cast besides; what is drawn of them, rounded to `f32`, must be in the depth too.
+    pub fn view_with_spheres(&self, gpu: &Gpu, casters: &[Caster], spheres: &[Sphere], camera: &Camera) -> ShadowView {
         let view = View::new(camera, &Look::NONE);
         let group = uniform_group(gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view));
-        ShadowView { seen: Seen::new(camera, casters), group }
+        ShadowView { seen: Seen::new(camera, casters, spheres), group }
     }
 
     /// The volumes of `casters`, uploaded as `uploaded`, under `light`.
@@ -127,6 +135,7 @@ impl Shadows {
         let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
         let report = LightReport {
             casters: std::mem::take(&mut plan.casters),
+            spheres: std::mem::take(&mut plan.spheres),
             cpu_ms,
             rect: plan.rect,
             batches: plan.batches.len(),
@@ -154,6 +163,7 @@ impl Shadows {
             mark: upload("light mark", bytemuck::cast_slice(&plan.mark), wgpu::BufferUsages::VERTEX)?,
             short: upload("short indices", bytemuck::cast_slice(&plan.indices.short), wgpu::BufferUsages::INDEX)?,
             long: upload("long indices", bytemuck::cast_slice(&plan.indices.long), wgpu::BufferUsages::INDEX)?,
+            loose: upload("sphere volumes", bytemuck::cast_slice(&plan.loose), wgpu::BufferUsages::VERTEX)?,
             plan,
             report,
         })
@@ -213,7 +223,7 @@ impl Shadows {
         pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             self.start(pass, batch, rect);
-            draw_batch(pass, batch, light, |part| self.pipelines.counting(part));
+            draw_batch(pass, batch, casters, light, |part| self.pipelines.counting(part));
             if i + 1 < light.plan.batches.len() {
                 self.fold(pass, rect);
             }
@@ -245,10 +255,11 @@ impl Shadows {
 }
 
 /// Records the draws of one batch, each with the pipeline for its part; changes state only where it differs.
-fn draw_batch<'a>(
+fn draw_batch<'a, 'l>(
     pass: &mut wgpu::RenderPass<'_>,
     batch: &Batch,
-    light: &ShadowLight,
+    casters: &ShadowCasters,
+    light: &'l ShadowLight,
     pipeline: impl Fn(emit::Part) -> &'a wgpu::RenderPipeline,
 ) {
     let mut last: Option<&Draw> = None;
@@ -256,18 +267,28 @@ fn draw_batch<'a>(
         if last.is_none_or(|last| last.part != draw.part) {
             pass.set_pipeline(pipeline(draw.part));
         }
-        if last.is_none_or(|last| last.is_short != draw.is_short) {
-            let (buffer, format) = if draw.is_short {
-                (&light.short, wgpu::IndexFormat::Uint16)
+        if last.is_none_or(|last| last.source != draw.source) {
+            let of_source =
+                |buffer: &'l Option<wgpu::Buffer>| buffer.as_ref().expect("what is drawn was uploaded").slice(..);
+            if draw.source == Source::Loose {
+                pass.set_vertex_buffer(0, of_source(&light.loose));
             } else {
-                (&light.long, wgpu::IndexFormat::Uint32)
-            };
-            pass.set_index_buffer(buffer.as_ref().expect("there are indices of this width").slice(..), format);
+                pass.set_vertex_buffer(0, casters.vertices.slice(..));
+            }
+            match draw.source {
+                Source::Short => pass.set_index_buffer(of_source(&light.short), wgpu::IndexFormat::Uint16),
+                Source::Long => pass.set_index_buffer(of_source(&light.long), wgpu::IndexFormat::Uint32),
+                Source::Loose => {}
+            }
         }
         if last.is_none_or(|last| last.rect != draw.rect) {
             set_scissor(pass, draw.rect);
         }
-        pass.draw_indexed(draw.indices.clone(), draw.base_vertex, 0..1);
+        if draw.source == Source::Loose {
+            pass.draw(draw.elements.clone(), 0..1);
+        } else {
+            pass.draw_indexed(draw.elements.clone(), draw.base_vertex, 0..1);
+        }
         last = Some(draw);
     }
 }

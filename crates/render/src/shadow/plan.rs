@@ -12,13 +12,14 @@
 
 use umbrae_core::{
     Bounds, Camera, Case, CaseChooser, Caster, Chain, Counting, Culler, Light, LightPosition, PixelRect, Reach,
-    ShadowVolume, Windings, most_overlaps, split_chain,
+    ShadowVolume, Sphere, Windings, most_overlaps, split_chain,
 };
 
-use super::casters::{Block, ShadowCasters};
+use super::casters::{Block, ShadowCasters, VolumeVertex};
 use super::emit::{Indices, Part, emit};
 use super::options::{LightMark, Method, ShadowOptions};
 use super::report::{CasterReport, Fate, Why};
+use super::spheres::{is_shut_in, rounded_to_f32};
 
 /// Seven bits count; the eighth is the mark.
 const MOST_OVERLAPS: u32 = 127;
@@ -29,13 +30,18 @@ pub(crate) struct Seen {
     pub(crate) camera: Camera,
     bounds: Bounds,
     windings: Vec<Windings>,
+    /// As the shaders see them.
+    pub(super) spheres: Vec<Sphere>,
 }
 
 impl Seen {
-    pub(crate) fn new(camera: &Camera, casters: &[Caster]) -> Self {
+    pub(crate) fn new(camera: &Camera, casters: &[Caster], spheres: &[Sphere]) -> Self {
+        let spheres: Vec<Sphere> = spheres.iter().map(rounded_to_f32).collect();
+        let bounds = spheres.iter().fold(Caster::bounds_of(casters), |bounds, sphere| bounds.union(sphere.bounds()));
         Self {
             camera: *camera,
-            bounds: Caster::bounds_of(casters),
+            bounds,
+            spheres,
             windings: casters.iter().map(|caster| Windings::of_near_rectangle(caster, camera)).collect(),
         }
     }
@@ -48,11 +54,14 @@ pub(crate) struct Plan {
     pub(crate) rect: Option<PixelRect>,
     /// The faces of the reach, three vertices each, for [`LightMark::Exact`] and [`LightMark::Select`]; without any, everything in
     /// the rectangle is marked.
-    pub(crate) mark: Vec<[f32; 4]>,
+    pub(crate) mark: Vec<VolumeVertex>,
     pub(crate) mark_kind: LightMark,
     pub(crate) batches: Vec<Batch>,
     pub(crate) indices: Indices,
+    /// The faces of spheres' volumes, three vertices each.
+    pub(crate) loose: Vec<VolumeVertex>,
     pub(crate) casters: Vec<CasterReport>,
+    pub(crate) spheres: Vec<CasterReport>,
 }
 
 /// Volumes that overlap at most [`MOST_OVERLAPS`] times.
@@ -65,12 +74,25 @@ pub(crate) struct Batch {
     overlaps: u32,
 }
 
+/// Where triangles come from; in the order in which they are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Source {
+    /// 32-bit indices.
+    Long,
+    /// 16-bit indices.
+    Short,
+    /// Vertices in a row, without indices.
+    Loose,
+}
+
 /// Triangles of one caster that are counted in one way.
 #[derive(Debug, Clone)]
 pub(crate) struct Draw {
     pub(crate) part: Part,
-    pub(crate) is_short: bool,
-    pub(crate) indices: std::ops::Range<u32>,
+    pub(crate) source: Source,
+    /// Indices, or loose vertices.
+    pub(crate) elements: std::ops::Range<u32>,
+    /// Of indices.
     pub(crate) base_vertex: i32,
     pub(crate) rect: PixelRect,
 }
@@ -90,16 +112,20 @@ impl Plan {
         let whole = PixelRect::whole(seen.camera.size_px());
         let light_rect = if options.light_scissor { culler.light_rect() } else { whole };
         let is_seen = !options.cull_lights || culler.light_may_show();
+        let is_shut_in = is_shut_in(light.position, &seen.spheres, &seen.camera);
         let mut plan = Self {
-            rect: light_rect.filter(|_| is_seen),
+            rect: light_rect.filter(|_| is_seen && !is_shut_in),
             mark: Vec::new(),
             mark_kind: options.light_mark,
             batches: Vec::new(),
             indices: Indices::default(),
+            loose: Vec::new(),
             casters: Vec::with_capacity(casters.len()),
+            spheres: Vec::with_capacity(seen.spheres.len()),
         };
         let Some(rect) = plan.rect else {
             plan.casters = casters.iter().map(|caster| CasterReport::of_fate(unseen_light(caster))).collect();
+            plan.spheres = seen.spheres.iter().map(|_| CasterReport::of_fate(Fate::LightUnseen)).collect();
             return plan;
         };
         if matches!(options.light_mark, LightMark::Exact | LightMark::Select)
@@ -109,7 +135,7 @@ impl Plan {
         }
         let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
         for ((caster, windings), &block) in casters.iter().zip(&seen.windings).zip(&uploaded.blocks) {
-            let report = match fate_by_culling(caster, &culler, options, rect) {
+            let report = match casting_rect(caster, &culler, options, rect) {
                 Err(fate) => CasterReport::of_fate(fate),
                 Ok(rect) => {
                     let planner = CasterPlanner { caster, windings, block, culler: &culler, chooser: &chooser, rect };
@@ -118,10 +144,22 @@ impl Plan {
             };
             plan.casters.push(report);
         }
+        plan.add_spheres(seen, light.position, (&culler, &chooser), options, rect);
         for batch in &mut plan.batches {
-            batch.draws.sort_by_key(|draw| (draw.part, draw.is_short));
+            batch.draws.sort_by_key(|draw| (draw.part, draw.source));
         }
         plan
+    }
+
+    /// A batch with room for volumes that overlap so many times, which is made if need be.
+    pub(super) fn batch_for(&mut self, overlaps: u32) -> &mut Batch {
+        let has_room = self.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS);
+        if !has_room {
+            self.batches.push(Batch::default());
+        }
+        let batch = self.batches.last_mut().expect("one was pushed if there was none");
+        batch.overlaps += overlaps;
+        batch
     }
 }
 
@@ -129,8 +167,7 @@ fn unseen_light(caster: &Caster) -> Fate {
     if caster.role.casts { Fate::LightUnseen } else { Fate::NotCasting }
 }
 
-/// The pixels into which the caster's volume must be drawn, or why it need not be.
-fn fate_by_culling(
+fn casting_rect(
     caster: &Caster,
     culler: &Culler,
     options: &ShadowOptions,
@@ -139,20 +176,30 @@ fn fate_by_culling(
     if !caster.role.casts {
         return Err(Fate::NotCasting);
     }
-    if options.cull_unreached && !culler.is_reached(&caster.bounds) {
+    rect_by_culling(&caster.bounds, culler, options, light_rect)
+}
+
+/// The pixels into which the volume of what casts within `bounds` must be drawn, or why it need not be.
+pub(super) fn rect_by_culling(
+    bounds: &Bounds,
+    culler: &Culler,
+    options: &ShadowOptions,
+    light_rect: PixelRect,
+) -> Result<PixelRect, Fate> {
+    if options.cull_unreached && !culler.is_reached(bounds) {
         return Err(Fate::Unreached);
     }
-    if options.cull_unseen && !culler.may_shade_view(&caster.bounds) {
+    if options.cull_unseen && !culler.may_shade_view(bounds) {
         return Err(Fate::Unseen);
     }
     if !options.caster_scissor {
         return Ok(light_rect);
     }
-    culler.shadow_rect(&caster.bounds).and_then(|rect| rect.intersection(&light_rect)).ok_or(Fate::Unseen)
+    culler.shadow_rect(bounds).and_then(|rect| rect.intersection(&light_rect)).ok_or(Fate::Unseen)
 }
 
 /// As [`super::casters::VolumeVertex`] has it.
-fn volume_vertex(homogeneous: glam::DVec4) -> [f32; 4] {
+pub(super) fn volume_vertex(homogeneous: glam::DVec4) -> VolumeVertex {
     let kind = if homogeneous.w == 0.0 { 2.0 } else { 0.0 };
     homogeneous.truncate().as_vec3().extend(kind).to_array()
 }
@@ -235,20 +282,15 @@ impl CasterPlanner<'_> {
                 }
             }
         }
-        let has_room = plan.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS);
-        if !has_room {
-            plan.batches.push(Batch::default());
-        }
-        let batch = plan.batches.last_mut().expect("one was pushed if there was none");
-        batch.overlaps += overlaps;
-        batch.start += start;
-
         let shows_dark_cap = !options.cull_caps || self.culler.dark_cap_may_show(&self.caster.bounds);
-        for (part, is_short, indices) in
-            emit(&mut plan.indices, self.caster, self.block, chain, volume, (case, shows_dark_cap), light, report)
-        {
+        let emitted =
+            emit(&mut plan.indices, self.caster, self.block, chain, volume, (case, shows_dark_cap), light, report);
+        let batch = plan.batch_for(overlaps);
+        batch.start += start;
+        for (part, is_short, elements) in emitted {
+            let source = if is_short { Source::Short } else { Source::Long };
             let base_vertex = self.block.first_vertex as i32;
-            batch.draws.push(Draw { part, is_short, indices, base_vertex, rect: self.rect });
+            batch.draws.push(Draw { part, source, elements, base_vertex, rect: self.rect });
         }
         report.parts += 1;
         report.fate = merge(report.fate, case, why);

@@ -51,7 +51,7 @@ impl CasterReport {
 pub enum Fate {
     /// It casts no shadow.
     NotCasting,
-    /// The light's reach is out of view.
+    /// The light's reach is out of view, or the light is shut in a sphere that is seen from outside.
     LightUnseen,
     /// It is outside the light's reach or cone.
     Unreached,
@@ -86,6 +86,8 @@ pub enum Why {
 pub struct LightReport {
     /// One entry for each caster, in order.
     pub casters: Vec<CasterReport>,
+    /// One entry for each sphere, in order: its silhouette is a polygon, and it has no indices.
+    pub spheres: Vec<CasterReport>,
     /// Time on the CPU for facing, silhouettes and volumes of all casters.
     pub cpu_ms: f64,
     /// The pixels that the light may change; `None` when its reach is out of view.

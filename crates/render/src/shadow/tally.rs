@@ -96,13 +96,13 @@ impl Tally {
         pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             if kind == TallyKind::Counts {
-                draw_batch(pass, batch, light, |part| self.counting(part));
+                draw_batch(pass, batch, casters, light, |part| self.counting(part));
                 continue;
             }
-            draw_batch(pass, batch, light, |_| &self.fill);
+            draw_batch(pass, batch, casters, light, |_| &self.fill);
             // What is found dark is drawn no more, so the stencil must be kept as well.
             self.shadows.start(pass, batch, rect);
-            draw_batch(pass, batch, light, |part| self.shadows.pipelines.counting(part));
+            draw_batch(pass, batch, casters, light, |part| self.shadows.pipelines.counting(part));
             if i + 1 < light.plan.batches.len() {
                 self.shadows.fold(pass, rect);
             }
