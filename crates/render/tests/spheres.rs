@@ -196,8 +196,6 @@ fn a_picture_has_no_speckles_on_a_ball_because_every_pass_finds_the_same_depth()
                     }
                 }
                 assert!(inner > 300, "{inner} pixels looked at");
-                let path = std::env::temp_dir().join(format!("sphere-{}-{samples}.png", light.name));
-                image::save_buffer(path, &picture.rgba, SIZE_PX[0], SIZE_PX[1], image::ColorType::Rgba8).unwrap();
             }
         }
     }
