@@ -45,6 +45,7 @@ impl Stage {
         let shot = Shot {
             scene: &self.gpu_scene,
             casters: &self.casters,
+            spheres: &[],
             camera: &self.camera,
             lights: &self.lights,
             shadows: ShadowOptions::default(),

@@ -48,7 +48,7 @@ fn eyes(light: &Light) -> [(&'static str, Camera); 4] {
     let camera = |eye: DVec3, target: DVec3| Camera::new(eye, target, 1.0, 0.05, SIZE_PX).unwrap();
     let middle = DVec3::new(0.0, 0.0, 3.0);
     let to_light = light.position.offset_from(middle);
-    let away = -to_light.normalize();
+    let away = -to_light.normalize_or_zero();
     // Where the light touches the large ball.
     let cos = if light.position.is_directional() { 0.0 } else { 2.0 / to_light.length() };
     let touch = away.any_orthonormal_vector() * (1.0 - cos * cos).sqrt() - away * cos;
@@ -88,7 +88,7 @@ fn first_surface(camera: &Camera, balls: &[Sphere], [x, y]: [f64; 2]) -> Option<
 /// The byte of the mask along one ray; `None` where it is a matter of rounding.
 fn verdict(camera: &Camera, balls: &[Sphere], light: &Light, pixel: [f64; 2]) -> Option<u8> {
     let Some((which, point, normal)) = first_surface(camera, balls, pixel) else { return Some(128) };
-    let cosine = normal.dot(light.position.offset_from(point).normalize());
+    let cosine = normal.dot(light.position.offset_from(point).normalize_or_zero());
     if cosine.abs() < EDGE_ON {
         return None;
     }
@@ -196,8 +196,6 @@ fn a_picture_has_no_speckles_on_a_ball_because_every_pass_finds_the_same_depth()
                     }
                 }
                 assert!(inner > 300, "{inner} pixels looked at");
-                let path = std::env::temp_dir().join(format!("sphere-{}-{samples}.png", light.name));
-                image::save_buffer(path, &picture.rgba, SIZE_PX[0], SIZE_PX[1], image::ColorType::Rgba8).unwrap();
             }
         }
     }

@@ -137,6 +137,7 @@ impl Case {
             target: Some(self.camera.target_m.into()),
             fov_deg: Some(self.camera.fov_y_deg),
             camera_name: None,
+            spheres: Vec::new(),
         };
         let sun = self.sun.as_ref();
         let sun = sun.map(|&Sun { azimuth_deg, altitude_deg }| LampPlace::Sun { azimuth_deg, altitude_deg });
