@@ -171,8 +171,8 @@ impl Oracle {
     }
 
     /// What the nine rays of the pixel about `(x, y)` see, and what else may be drawn at its centre; `None` where that
-    /// settles that it is undecided, because the five nearest to the centre don't see the same triangles and the same one first (or nothing), or
-    /// some ray can't tell a surface from a hole in it.
+    /// settles that it is undecided, because the five nearest to the centre don't see the same triangles, and the same
+    /// one first (or nothing), or some ray can't tell a surface from a hole in it.
     fn sights_around(&self, eye: &Eye, [x, y]: [f64; 2], center: &Sight) -> Option<Vec<Sight>> {
         if matches!(center, Sight::Unsure) {
             return None;
