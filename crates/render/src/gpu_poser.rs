@@ -291,3 +291,96 @@ impl AtRest {
         start
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use umbrae_core::{Influence, Material, Pose, Role, Scene, Surface};
+
+    use super::*;
+    use crate::AdapterChoice;
+
+    /// A bent tetrahedron of glass, twice, and a tetrahedron that is not bent.
+    fn scene(turn_rad: f64) -> Scene {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mesh = Arc::new(Mesh::new(Surface { positions, triangles, ..Surface::default() }).expect("a good mesh"));
+        let both = |v: u32| {
+            let weight = v as f32 / 3.0;
+            [Influence { joint: 0, weight: 1.0 - weight }, Influence { joint: 1, weight }]
+        };
+        let deformer = Arc::new(Deformer {
+            morph_offsets: vec![vec![Vec3::X; 4], (0..4).map(|i| Vec3::Z * i as f32).collect()],
+            influence_ranges: (0..4).map(|v| [2 * v, 2 * v + 2]).collect(),
+            influences: (0..4).flat_map(both).collect(),
+        });
+        let joints =
+            vec![DAffine3::from_rotation_x(turn_rad), DAffine3::from_translation(DVec3::new(0.1, turn_rad, 0.0))];
+        let pose = Some(Pose { deformer, morph_weights: vec![turn_rad as f32, -0.3], joints });
+        let at =
+            |x: f64| DAffine3::from_rotation_z(1.0 - turn_rad) * DAffine3::from_translation(DVec3::new(x, 2.0, -0.0));
+        let bent = |x: f64| {
+            let role = Role { is_glass: true, ..Role::default() };
+            Object { pose: pose.clone(), role, ..Object::new("bent", mesh.clone(), at(x)) }
+        };
+        let objects = vec![bent(0.0), Object::new("plain", mesh.clone(), at(5.0)), bent(-7.0)];
+        Scene { objects, materials: vec![Material::default()], ..Scene::default() }
+    }
+
+    fn words(gpu: &Gpu, from: &wgpu::Buffer) -> Vec<f32> {
+        let to = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("test"),
+            size: from.size(),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("test") });
+        encoder.copy_buffer_to_buffer(from, 0, &to, 0, from.size());
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = pollster::block_on(readback::buffer(gpu, &to)).expect("it can be read");
+        bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    /// Colours are not numbers, so they count by bits.
+    fn assert_near(ours: &[f32], theirs: &[f32]) {
+        assert_eq!(ours.len(), theirs.len());
+        for (i, (a, b)) in ours.iter().zip(theirs).enumerate() {
+            assert!(a.to_bits() == b.to_bits() || (a - b).abs() < 2e-6, "word {i}: {a} on the GPU, {b} on the CPU");
+        }
+    }
+
+    #[test]
+    fn what_is_drawn_and_what_casts_is_what_the_caster_has_and_does_not_depend_on_the_past() {
+        let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default())).expect("a graphics driver");
+        let at_rest = scene(0.0);
+        let mut casters = Caster::of_scene(&at_rest);
+        let mut drawn = GpuScene::new(&gpu, &casters, &at_rest.materials, &[]).expect("it fits");
+        let mut poser = GpuPoser::new(&gpu, &at_rest.objects, &casters, &drawn).expect("a device that computes");
+        let mut first: Option<[Vec<u32>; 2]> = None;
+        for turn_rad in [0.7, -1.3, 0.7] {
+            let now = scene(turn_rad);
+            // Another deformer of the same kind, as only its numbers count.
+            pollster::block_on(poser.pose(&gpu, &mut drawn, &now.objects, &mut casters)).expect("it is posed");
+            let ours = [words(&gpu, &drawn.shadow_casters.vertices), words(&gpu, &drawn.surface)];
+
+            // Uploaded from the casters that were read back: the same bits, but for normals.
+            let same = GpuScene::new(&gpu, &casters, &at_rest.materials, &[]).expect("it fits");
+            assert_eq!(ours[0], words(&gpu, &same.shadow_casters.vertices));
+            let uploaded = words(&gpu, &same.surface);
+            assert_near(&ours[1], &uploaded);
+            for (a, b) in ours[1].chunks_exact(9).zip(uploaded.chunks_exact(9)) {
+                assert_eq!(a[..3], b[..3]);
+            }
+            let centers = |scene: &GpuScene| scene.glass.iter().map(|glass| glass.center).collect::<Vec<_>>();
+            assert_eq!(centers(&drawn), centers(&same));
+
+            // Posed on the CPU: nearly.
+            let posed = GpuScene::new(&gpu, &Caster::of_scene(&now), &at_rest.materials, &[]).expect("it fits");
+            assert_near(&ours[1], &words(&gpu, &posed.surface));
+            if turn_rad > 0.0 {
+                let bits = ours.map(|words| words.into_iter().map(f32::to_bits).collect());
+                assert!(*first.get_or_insert_with(|| bits.clone()) == bits);
+            }
+        }
+    }
+}
