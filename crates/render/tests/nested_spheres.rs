@@ -17,7 +17,7 @@ use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, LightPosition, Material, Mesh, Object, Scene, ShadowVolume, Surface,
     Windings, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot};
 
 const CENTER: DVec3 = DVec3::new(0.0, 0.0, 8.0);
 /// The largest first, so that the eye can be in the volumes of the first few only.
@@ -128,14 +128,8 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
             let camera = camera(volumes);
             let points = floor_points(&camera);
             for method in [Method::Auto, Method::ZPass, Method::ZFail, Method::EyeCount] {
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera: &camera,
-                    lights: &[],
-                    shadows: ShadowOptions::from(method),
-                    look: &Look::NONE,
-                };
+                let shadows = ShadowOptions::from(method);
+                let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let counts = pollster::block_on(renderer.counts(&shot, &lamp)).unwrap();
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp)).unwrap();
                 // From the eye, only what is between it and the pixel is counted.
