@@ -17,7 +17,7 @@ use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, LightPosition, Material, Mesh, Object, Scene, ShadowVolume, Surface,
     Windings, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot};
 
 const CENTER: DVec3 = DVec3::new(0.0, 0.0, 8.0);
 /// The largest first, so that the eye can be in the volumes of the first few only.
