@@ -137,7 +137,15 @@ fn mask(
     light: &Light,
     shadows: ShadowOptions,
 ) -> Mask {
-    let shot = Shot { scene: gpu_scene, casters: &subject.casters, camera, lights: &[], shadows, look: &Look::NONE };
+    let shot = Shot {
+        scene: gpu_scene,
+        casters: &subject.casters,
+        camera,
+        lights: &[],
+        shadows,
+        look: &Look::NONE,
+        overlay: None,
+    };
     pollster::block_on(renderer.mask(&shot, light)).unwrap()
 }
 

@@ -193,7 +193,7 @@ fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
             primitive: wgpu::PrimitiveState::default(),
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH,
-                depth_write_enabled: Some(blend == None),
+                depth_write_enabled: Some(blend.is_none()),
                 depth_compare: Some(compare),
                 stencil,
                 bias: Default::default(),

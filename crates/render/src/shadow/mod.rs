@@ -136,7 +136,7 @@ impl Shadows {
             gpu.ensure_buffer_fits(bytes.len())?;
             // Buffers of 16-bit indices may have an odd number of them.
             let mut padded;
-            let contents = if bytes.len() % 4 == 0 {
+            let contents = if bytes.len().is_multiple_of(4) {
                 bytes
             } else {
                 padded = bytes.to_vec();
