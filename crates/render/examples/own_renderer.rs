@@ -172,7 +172,7 @@ fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
         operation: wgpu::BlendOperation::Add,
     };
     let is_lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
-    let make = |entry_point, compare, face, blend| {
+    let make = |entry_point, compare, face, blend: Option<wgpu::BlendState>| {
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
         let vertex = wgpu::VertexBufferLayout {
             array_stride: 24,
