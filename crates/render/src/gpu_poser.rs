@@ -264,9 +264,9 @@ impl AtRest {
     }
 
     fn add(&mut self, mesh: &Mesh, deformer: &Deformer) -> PosedUniform {
-        let positions = self.add_words(mesh.positions().iter().flat_map(|p| p.to_array()).map(f32::to_bits));
+        let positions = self.add_words(mesh.positions().iter().flat_map(Vec3::to_array).map(f32::to_bits));
         let offsets = deformer.morph_offsets.iter().flatten();
-        let offsets = self.add_words(offsets.flat_map(|offset| offset.to_array()).map(f32::to_bits));
+        let offsets = self.add_words(offsets.flat_map(Vec3::to_array).map(f32::to_bits));
         let ranges = self.add_words(deformer.influence_ranges.as_flattened().iter().copied());
         let influences = deformer.influences.iter().flat_map(|on| [on.joint, on.weight.to_bits()]);
         let influences = self.add_words(influences);
