@@ -1,5 +1,5 @@
-//! The staircase under its own lamp, whose low steps are in the shadows of up to 299 others: without a wrap in the count, with one sample a pixel and
-//! with four.
+//! The staircase under its own lamp, whose low steps are in the shadows of up to 299 others: without a wrap in the
+//! count, with one sample a pixel and with four.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,8 +1,9 @@
-//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods: no decided pixel is wrong,
-//! and leaving something out that can't change a pixel changes none, decided or not.
+//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods: no decided
+//! pixel is wrong, and leaving something out that can't change a pixel changes none, decided or not.
 //!
-//! Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name. Of the rules of culling, one is switched off for each
-//! light and camera, another each time; `UMBRAE_VERIFY_RULES=every` switches off each of them each time.
+//! Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name. Of the rules of culling, one is
+//! switched off for each light and camera, another each time; `UMBRAE_VERIFY_RULES=every` switches off each of them
+//! each time.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

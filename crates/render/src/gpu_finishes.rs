@@ -46,7 +46,7 @@ pub(crate) struct Finishes<'a> {
     textures: &'a [Arc<Texture>],
     layout: wgpu::BindGroupLayout,
     /// For each texture once it is needed; the last is white, for what has none.
-    uploaded: BTreeMap<usize, (wgpu::TextureView, wgpu::Sampler)>,
+    uploaded: BTreeMap<usize, (wgpu::TextureView, [wgpu::Sampler; 2])>,
     numbers: BTreeMap<(FinishKind, usize, [u32; 4]), u32>,
     made: Vec<Finish>,
 }
@@ -109,7 +109,7 @@ impl<'a> Finishes<'a> {
             contents: bytemuck::bytes_of(uniform),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let (view, sampler) = self.uploaded.entry(texture).or_insert_with(|| {
+        let (view, [sampler, cut_out_sampler]) = self.uploaded.entry(texture).or_insert_with(|| {
             let white = Texture {
                 name: "white".to_owned(),
                 size_px: [1, 1],
@@ -118,7 +118,7 @@ impl<'a> Finishes<'a> {
                 is_nearest: false,
             };
             let texture = self.textures.get(texture).map_or(&white, |texture| texture);
-            (upload(self.gpu, texture), sampler(self.gpu, texture))
+            (upload(self.gpu, texture), samplers(self.gpu, texture))
         });
         self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("finish"),
@@ -127,6 +127,7 @@ impl<'a> Finishes<'a> {
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
                 wgpu::BindGroupEntry { binding: 2, resource: buffer.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(cut_out_sampler) },
             ],
         })
     }
@@ -139,7 +140,7 @@ impl FinishUniform {
     const OPAQUE: Self = Self { alpha: 1.0, cutoff: NOTHING_CUT_OUT, least_coverage: 1.0, unused: 0.0 };
 }
 
-/// Group 2: a texture, its sampler, and the uniform.
+/// Group 2: a texture, its sampler, the uniform, and the sampler for cut-outs.
 pub(crate) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
@@ -155,6 +156,7 @@ pub(crate) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
                 },
             ),
             entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+            entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
             entry(
                 2,
                 wgpu::BindingType::Buffer {
@@ -195,23 +197,28 @@ fn upload(gpu: &Gpu, texture: &Texture) -> wgpu::TextureView {
 /// What wgpu takes for more than the device has.
 const MOST_ANISOTROPY: u16 = 16;
 
-fn sampler(gpu: &Gpu, texture: &Texture) -> wgpu::Sampler {
+/// For colours, and for cut-outs: these are the same from everywhere, so theirs is not anisotropic, which would look at many places even in a
+/// single level.
+fn samplers(gpu: &Gpu, texture: &Texture) -> [wgpu::Sampler; 2] {
     let address = |wrap: Wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
         Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
     };
     let [across, down] = texture.wrap.map(address);
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+    let nearest_or_linear = if texture.is_nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
+    let for_colors = wgpu::SamplerDescriptor {
         label: Some(&texture.name),
         address_mode_u: across,
         address_mode_v: down,
         address_mode_w: wgpu::AddressMode::ClampToEdge,
-        mag_filter: if texture.is_nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
+        mag_filter: nearest_or_linear,
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         // Every filter must be linear for it.
         anisotropy_clamp: if texture.is_nearest { 1 } else { MOST_ANISOTROPY },
         ..wgpu::SamplerDescriptor::default()
-    })
+    };
+    let for_cut_outs = wgpu::SamplerDescriptor { min_filter: nearest_or_linear, anisotropy_clamp: 1, ..for_colors };
+    [for_colors, for_cut_outs].map(|descriptor| gpu.device.create_sampler(&descriptor))
 }

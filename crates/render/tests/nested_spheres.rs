@@ -27,8 +27,8 @@ const LAMP: DVec3 = DVec3::new(0.05, -0.03, 20.0);
 const SAGITTA: f64 = 4e-3;
 const SIZE_PX: [u32; 2] = [96, 72];
 
-/// How many of the first `ball_count` balls are between `point` and `lamp`: the volumes around `point` as seen from places that are in the same
-/// balls as it is. `None` where that depends on how round the balls are.
+/// How many of the first `ball_count` balls are between `point` and `lamp`: the volumes around `point` as seen from
+/// places that are in the same balls as it is. `None` where that depends on how round the balls are.
 fn balls_between(ball_count: usize, lamp: DVec3, point: DVec3) -> Option<i32> {
     RADII[..ball_count].iter().map(|&radius| is_between(radius, lamp, point)).sum()
 }
@@ -92,7 +92,8 @@ fn volumes_count_the_balls_between_a_point_and_the_lamp() {
     }
 }
 
-/// An eye 1.5 m above the floor in exactly the volumes of the first `volumes` balls of at least so many, looking across the rings.
+/// An eye 1.5 m above the floor in exactly the volumes of the first `volumes` balls of at least so many, looking across
+/// the rings.
 fn camera(volumes: usize) -> Camera {
     let eye = DVec3::new([6.1, 4.4, 3.5][volumes], 0.1, 1.5);
     let camera = Camera::new(eye, DVec3::new(-0.3, 0.2, 0.0), 1.1, 0.05, SIZE_PX).unwrap();

@@ -65,7 +65,8 @@ fn lamp() -> Light {
     Light::new("lamp", LightPosition::point(LAMP), Vec3::splat(120.0))
 }
 
-/// From beside the stack and from within its shadow, both lower than the lowest sheet: no sheet hides any floor from them. And from above.
+/// From beside the stack and from within its shadow, both lower than the lowest sheet: no sheet hides any floor from
+/// them. And from above.
 fn cameras() -> [Camera; 3] {
     let camera = |eye, target| Camera::new(eye, target, 1.0, 0.05, SIZE_PX).unwrap();
     [

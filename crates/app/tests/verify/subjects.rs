@@ -28,7 +28,8 @@ enum Place {
 /// What lights a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Lighting {
-    /// The sun; a lamp outside; a lamp inside the model's box; a lamp in the plane of one of its triangles; a spot inside the box.
+    /// The sun; a lamp outside; a lamp inside the model's box; a lamp in the plane of one of its triangles; a spot
+    /// inside the box.
     Five,
     /// Its own lights, as the command line has them reach.
     Own,
@@ -42,7 +43,8 @@ pub(crate) struct Subject {
     pub(crate) casters: Vec<Caster>,
     pub(crate) triangles: usize,
     pub(crate) lights: Vec<Light>,
-    /// From outside; from a place that the model shades from the sun; from outside with the near plane through the model.
+    /// From outside; from a place that the model shades from the sun; from outside with the near plane through the
+    /// model.
     pub(crate) cameras: [Camera; 3],
 }
 

@@ -19,6 +19,7 @@ struct Finish {
 @group(2) @binding(0) var base_color: texture_2d<f32>;
 @group(2) @binding(1) var base_color_sampler: sampler;
 @group(2) @binding(2) var<uniform> finish: Finish;
+@group(2) @binding(3) var cut_out_sampler: sampler;
 
 struct Vertex {
     @location(0) position_world: vec3f,
@@ -84,7 +85,7 @@ fn is_cut_out(fragment: Fragment) -> bool {
     if !has_cut_outs {
         return false;
     }
-    let alpha = finish.alpha * textureSampleLevel(base_color, base_color_sampler, fragment.uv, 0.0).a;
+    let alpha = finish.alpha * textureSampleLevel(base_color, cut_out_sampler, fragment.uv, 0.0).a;
     return alpha < finish.cutoff;
 }
 
