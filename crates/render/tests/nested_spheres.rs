@@ -129,15 +129,8 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
             let camera = camera(volumes);
             let points = floor_points(&camera);
             for method in [Method::Auto, Method::ZPass, Method::ZFail, Method::EyeCount] {
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera: &camera,
-                    lights: &[],
-                    shadows: ShadowOptions::from(method),
-                    look: &Look::NONE,
-                    overlay: None,
-                };
+                let shot =
+                    Shot { shadows: ShadowOptions::from(method), ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let counts = pollster::block_on(renderer.counts(&shot, &lamp)).unwrap();
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp)).unwrap();
                 // From the eye, only what is between it and the pixel is counted.
