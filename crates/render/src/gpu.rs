@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::Caps;
+use crate::readback::TextureCopy;
 
 /// Which adapter to use.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -189,6 +190,18 @@ impl Gpu {
             & (wgpu::Features::TIMESTAMP_QUERY
                 | wgpu::Features::DEPTH32FLOAT_STENCIL8
                 | wgpu::Features::FLOAT32_BLENDABLE)
+    }
+
+    /// The texels of `texture`, which must be `COPY_SRC`, row by row from the top without padding, once all submitted work is done.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub async fn read(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read") });
+        let copy = TextureCopy::record(self, &mut encoder, texture);
+        self.queue.submit([encoder.finish()]);
+        self.unless_out_of_memory(copy.read(self).await)
     }
 
     async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
