@@ -94,6 +94,7 @@ fn the_report_has_every_key() {
                 "chain_triangles",
                 "fate",
                 "is_glass",
+                "kind",
                 "name",
                 "parts",
                 "scissor",
