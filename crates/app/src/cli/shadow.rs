@@ -53,7 +53,7 @@ pub struct ShadowArgs {
     method: Method,
 
     /// How pixels that a light can't change are kept out of counting; changes no picture, only its cost
-    #[arg(long, value_name = "KIND", default_value = "receivers", hide_short_help = true, help_heading = WORTH)]
+    #[arg(long, value_name = "KIND", default_value = "exact", hide_short_help = true, help_heading = WORTH)]
     light_mark: LightMark,
 
     /// The same as --light-mark off

@@ -67,7 +67,7 @@ fn no_switch_changes_what_is_lit() {
 fn the_report_tells_what_was_left_out_and_why() {
     let place = Place::new();
     let (report, _) = determined(&place, &LIGHTS);
-    assert_eq!(report["left_out"]["light_mark"], "receivers");
+    assert_eq!(report["left_out"]["light_mark"], "exact");
     assert_eq!(report["left_out"]["caster_scissor"], true);
     let lights = report["lights"].as_array().expect("a list");
     for light in lights {

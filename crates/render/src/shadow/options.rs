@@ -22,13 +22,13 @@ pub enum LightMark {
     Off,
     /// The light's reach as a convex body that inverts a stencil bit where it is behind what is seen: the bit is set exactly where what is
     /// seen is inside. Whatever the order of its faces, and with the eye inside too.
+    #[default]
     Exact,
     /// The same body, whose back sets the bit and whose front clears it: marks all that is inside, and, depending on the order of faces,
     /// some of what is in front (id Software's `RB_StencilSelectLight`).
     Select,
     /// Every surface that the light would brighten if nothing shaded it: in reach, in the cone, and turned to the light. Draws the
     /// scene once more; a caller of its own passes draws it ([`crate::Shadows::draw_counts`]).
-    #[default]
     Receivers,
 }
 
@@ -100,7 +100,7 @@ impl ShadowOptions {
             ("no scissor for lights", Self { light_scissor: false, ..self }),
             ("no scissor for casters", Self { caster_scissor: false, ..self }),
             ("no light mark", Self { light_mark: LightMark::Off, ..self }),
-            ("exact light mark", Self { light_mark: LightMark::Exact, ..self }),
+            ("receivers marked", Self { light_mark: LightMark::Receivers, ..self }),
             ("selecting light mark", Self { light_mark: LightMark::Select, ..self }),
             ("nothing is left out", Self::without_culling(self.method)),
         ]
