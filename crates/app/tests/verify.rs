@@ -16,7 +16,7 @@ use std::path::Path;
 use umbrae::output::png;
 use umbrae::verify::error_picture;
 use umbrae_core::{Camera, Judgement, Light, Oracle};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Mask, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Mask, Method, Renderer, ShadowOptions, Shot, compare};
 
 use self::subjects::{Source, Subject, sources};
 
@@ -143,16 +143,7 @@ fn mask(
     light: &Light,
     shadows: ShadowOptions,
 ) -> Mask {
-    let shot = Shot {
-        scene: gpu_scene,
-        casters: &subject.casters,
-        camera,
-        lights: &[],
-        shadows,
-        look: &Look::NONE,
-        overlay: None,
-        spheres: &[],
-    };
+    let shot = Shot { shadows, ..Shot::new(gpu_scene, &subject.casters, camera, &[]) };
     pollster::block_on(renderer.mask(&shot, light)).unwrap()
 }
 

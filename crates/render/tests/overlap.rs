@@ -118,16 +118,7 @@ fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
             let judged = oracle.judge(camera, &[lamp()], || ()).remove(0);
             for method in [Method::Auto, Method::ZFail, Method::EyeCount] {
                 let shadows = ShadowOptions::from(method);
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera,
-                    lights: &[],
-                    shadows,
-                    look: &Look::NONE,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp())).unwrap().verdicts;
                 let what = format!("{count} sheets, {stack:?}, camera {i}, {method:?}");
                 let wrong = compare(&mask, &judged).errors.len();
@@ -156,17 +147,7 @@ fn with_four_samples_the_floor_under_hundreds_of_sheets_looks_as_if_there_were_n
         let look = Look::for_model(&scene.bounds(), &[lamp()]);
         for camera in &cameras()[..2] {
             let picture = |lights: &[Light]| {
-                let shadows = ShadowOptions::default();
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera,
-                    lights,
-                    shadows,
-                    look: &look,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { look: &look, ..Shot::new(&gpu_scene, &casters, camera, lights) };
                 pollster::block_on(renderer.picture(&shot)).unwrap().rgba
             };
             let (with_lamp, without) = (picture(&[lamp()]), picture(&[]));

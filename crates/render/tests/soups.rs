@@ -2,37 +2,15 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod random;
+
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
-use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, compare};
+use glam::{DAffine3, Vec3};
+use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, compare};
 
-/// A small seeded generator (SplitMix64): the same soups on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// From -1 to 1.
-    fn signed(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    fn point(&mut self, radius: f64) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed()) * radius
-    }
-}
+use self::random::Random;
 
 fn soup(random: &mut Random) -> Scene {
     let objects = (0..2)
@@ -62,8 +40,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
         .expect("tests need a graphics driver: run scripts/setup.sh");
     let renderer = Renderer::new(gpu, 1);
-    let look = Look::for_model(&Bounds::EMPTY, &[]);
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (mut surface, mut decided, mut with_zpass) = (0, 0, 0);
     for number in 0..40 {
         let scene = soup(&mut random);
@@ -84,16 +61,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         for (light, judgements) in lights.iter().zip(&judged) {
             let mut first: Option<Vec<u8>> = None;
             for (rule, shadows) in all_options() {
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera: &camera,
-                    lights: &[],
-                    shadows,
-                    look: &look,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
                 assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");
