@@ -2,6 +2,7 @@
 
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
+const JOB: &str = include_str!("shaders/job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
@@ -27,6 +28,23 @@ pub(crate) fn sphere(device: &wgpu::Device, is_per_sample: bool) -> wgpu::Shader
 
 pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
+}
+
+/// Volumes whose silhouettes were found on the GPU.
+pub(crate) fn found_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    module(device, "found volume", &[VIEW, LIGHT, volume, JOB, include_str!("shaders/found_volume.wgsl")])
+}
+
+/// Sums of `samples` samples a pixel.
+pub(crate) fn fold_sums(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source =
+        if samples > 1 { include_str!("shaders/fold_samples.wgsl") } else { include_str!("shaders/fold_sums.wgsl") };
+    module(device, "fold sums", &[source])
+}
+
+pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "find silhouettes", &[JOB, include_str!("shaders/find.wgsl")])
 }
 
 pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {
