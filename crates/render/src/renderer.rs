@@ -6,12 +6,11 @@ use crate::frame::{self, Frame, FrameLight, Passes};
 use crate::passes::{
     GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
 };
-use crate::readback::TextureCopy;
 use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowLight, ShadowOptions, Targets};
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -139,11 +138,10 @@ impl Renderer {
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len()));
         let mut encoder = self.encoder("picture");
         let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
 
-        let rgba = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
+        let rgba = self.gpu.read(&finished).await?;
         let passes = timer.read(&self.gpu, times).await?;
         Ok(Picture { rgba, lights, passes })
     }
@@ -206,27 +204,11 @@ impl Renderer {
     /// As [`Renderer::picture`].
     pub async fn mask(&self, shot: &Shot<'_>, light: &Light) -> Result<Mask, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
-        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
-        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
-        let view = self.view_group(shot.camera, &Look::NONE);
-        let mut encoder = self.encoder("mask");
-        let frame = Frame {
-            targets: &targets,
-            scene: shot.scene,
-            spheres: &spheres,
-            view: &view,
-            shadow_view: &shadow_view,
-            lights: &lights,
-            glass: None,
-            overlay: None,
-        };
-        frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
-        self.gpu.queue.submit([encoder.finish()]);
-        let verdicts = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
-        let [light] = lights;
-        Ok(Mask { verdicts, light: light.shadows.report })
+        let (light, _) = self.submit_one(shot, light, &targets, "mask", |frame, encoder| {
+            frame::record(&self.mask, frame, encoder, &mut PassTimer::off());
+        })?;
+        let verdicts = self.gpu.read(&targets.resolved).await?;
+        Ok(Mask { verdicts, light })
     }
 
     /// For each pixel, row by row from the top, how many of the volumes of one light of `shot` hold what is seen there, signed as they are
@@ -238,42 +220,64 @@ impl Renderer {
     ///
     /// As [`Renderer::picture`].
     pub async fn counts(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<i32>, GpuError> {
-        let (sums, shadows) = self.tally(shot, light, TallyKind::Counts).await?;
-        let Some(rect) = shadows.rect() else { return Ok(vec![0; sums.len()]) };
+        let (sums, report, start) = self.tally(shot, light, TallyKind::Counts).await?;
+        let Some(rect) = report.rect else { return Ok(vec![0; sums.len()]) };
         let width = shot.camera.size_px()[0];
-        let start = shadows.start() as i32;
         let at = |i: usize| [i as u32 % width, i as u32 / width];
-        let started = |(i, &sum): (usize, &f32)| sum as i32 + if rect.contains(at(i)) { start } else { 0 };
+        let started = |(i, &sum): (usize, &f32)| sum as i32 + if rect.contains(at(i)) { start as i32 } else { 0 };
         Ok(sums.iter().enumerate().map(started).collect())
     }
 
-    /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included.
+    /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included; and
+    /// what of the light was drawn.
     ///
     /// # Errors
     ///
     /// As [`Renderer::picture`].
-    pub async fn fill(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<u32>, GpuError> {
-        let (sums, _) = self.tally(shot, light, TallyKind::Fill).await?;
-        Ok(sums.iter().map(|&sum| sum as u32).collect())
+    pub async fn fill(&self, shot: &Shot<'_>, light: &Light) -> Result<(Vec<u32>, LightReport), GpuError> {
+        let (sums, report, _) = self.tally(shot, light, TallyKind::Fill).await?;
+        Ok((sums.iter().map(|&sum| sum as u32).collect(), report))
     }
 
+    /// Sums, what was drawn, and where counts start.
     async fn tally(
         &self,
         shot: &Shot<'_>,
         light: &Light,
         kind: TallyKind,
-    ) -> Result<(Vec<f32>, ShadowLight), GpuError> {
+    ) -> Result<(Vec<f32>, LightReport, u32), GpuError> {
         let size_px = shot.camera.size_px();
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
         let sums = readable_texture(&self.gpu, "tally", self.tally.format, size_px);
         let to = sums.create_view(&wgpu::TextureViewDescriptor::default());
+        let (report, start) = self.submit_one(shot, light, &targets, "tally", |frame, encoder| {
+            frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, encoder);
+        })?;
+        let bytes = self.gpu.read(&sums).await?;
+        let sums = if self.tally.format == wgpu::TextureFormat::R32Float {
+            bytes.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
+        } else {
+            bytes.as_chunks().0.iter().map(|&two| half::f16::from_le_bytes(two).to_f32()).collect()
+        };
+        Ok((sums, report, start))
+    }
+
+    /// Submits what `record` records of a frame with one light of `shot`; what was drawn, and where counts start.
+    fn submit_one(
+        &self,
+        shot: &Shot<'_>,
+        light: &Light,
+        targets: &Targets,
+        label: &str,
+        record: impl FnOnce(Frame<'_>, &mut wgpu::CommandEncoder),
+    ) -> Result<(LightReport, u32), GpuError> {
         let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
         let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
         let view = self.view_group(shot.camera, &Look::NONE);
-        let mut encoder = self.encoder("tally");
+        let mut encoder = self.encoder(label);
         let frame = Frame {
-            targets: &targets,
+            targets,
             scene: shot.scene,
             spheres: &spheres,
             view: &view,
@@ -282,17 +286,11 @@ impl Renderer {
             glass: None,
             overlay: None,
         };
-        frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &sums);
+        record(frame, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
-        let bytes = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
-        let sums = if self.tally.format == wgpu::TextureFormat::R32Float {
-            bytes.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
-        } else {
-            bytes.as_chunks().0.iter().map(|&two| half::f16::from_le_bytes(two).to_f32()).collect()
-        };
         let [light] = lights;
-        Ok((sums, light.shadows))
+        let start = light.shadows.start();
+        Ok((light.shadows.report, start))
     }
 
     fn prepare_light(

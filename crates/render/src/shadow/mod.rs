@@ -256,7 +256,6 @@ impl Shadows {
     ) {
         let Some(rect) = light.plan.rect else { return };
         self.bind(pass, view, light);
-        pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             self.start(pass, batch, rect);
             draw_batch(pass, batch, casters, light, |part| self.pipelines.counting(part));

@@ -93,7 +93,6 @@ impl Tally {
         if kind == TallyKind::Fill {
             self.add_fill_of_mark(pass, light);
         }
-        pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             if kind == TallyKind::Counts {
                 draw_batch(pass, batch, casters, light, |part| self.counting(part));
