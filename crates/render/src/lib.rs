@@ -17,6 +17,7 @@ mod mipmap;
 mod overlay;
 mod passes;
 mod posing;
+mod prepared;
 mod readback;
 mod renderer;
 mod shaders;

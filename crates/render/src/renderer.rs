@@ -2,15 +2,16 @@
 
 use umbrae_core::{Camera, Caster, Light, Sphere};
 
-use crate::frame::{self, Frame, FrameLight, Passes};
+use crate::frame::{self, Frame, Passes};
 use crate::passes::{
     GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
 };
-use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
+use crate::prepared::PreparedLights;
+use crate::shadow::{ShadowTarget, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, Targets};
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -140,6 +141,7 @@ impl Renderer {
         let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
+        let lights = lights.reports();
 
         let rgba = self.gpu.read(&finished).await?;
         let passes = timer.read(&self.gpu, times).await?;
@@ -161,26 +163,24 @@ impl Renderer {
         to: &wgpu::TextureView,
     ) -> Result<Vec<LightReport>, GpuError> {
         let mut encoder = self.encoder("frame");
-        let reports = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
+        let lights = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
         self.gpu.queue.submit([encoder.finish()]);
-        Ok(reports)
+        Ok(lights.reports())
     }
 
-    fn record(
+    /// What was prepared must be kept until `encoder` is submitted.
+    fn record<'a>(
         &self,
-        shot: &Shot<'_>,
+        shot: &Shot<'a>,
         targets: &Targets,
         to: &wgpu::TextureView,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
-    ) -> Result<Vec<LightReport>, GpuError> {
+    ) -> Result<PreparedLights<'a>, GpuError> {
         let shadow_view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.picture.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = shot
-            .lights
-            .iter()
-            .map(|light| self.prepare_light(&self.picture, shot, &shadow_view, light))
-            .collect::<Result<Vec<_>, _>>()?;
+        let prepared = PreparedLights::new(&self.gpu, &self.picture.shadows, shot, &shadow_view, shot.lights)?;
+        let lights = prepared.for_frame(&self.gpu, shot.lights, targets)?;
         let view = self.view_group(shot.camera, shot.look);
         let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
         let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
@@ -189,12 +189,21 @@ impl Renderer {
         let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
         let shadow_view = &shadow_view;
         let spheres = &spheres;
-        let frame =
-            Frame { targets, scene: shot.scene, spheres, view: &view, shadow_view, lights: &lights, glass, overlay };
+        let frame = Frame {
+            targets,
+            scene: shot.scene,
+            spheres,
+            view: &view,
+            shadow_view,
+            found: prepared.found(),
+            lights: &lights,
+            glass,
+            overlay,
+        };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
-        Ok(lights.into_iter().map(|light| light.shadows.report).collect())
+        Ok(prepared)
     }
 
     /// Draws the verdict of one light of `shot` at each pixel's centre.
@@ -214,7 +223,7 @@ impl Renderer {
     /// For each pixel, row by row from the top, how many of the volumes of one light of `shot` hold what is seen there, signed as they are
     /// counted; 0 outside the light's rectangle. Where nothing is seen it is what the volumes leave at infinity.
     ///
-    /// Counted by addition to a float target, not by the stencil: nothing wraps (below 2048 where the device can't add to 32-bit floats).
+    /// Silhouettes are found on the CPU for this, whatever the options. Counted by addition to a float target, not by the stencil: nothing wraps (below 2048 where the device can't add to 32-bit floats).
     ///
     /// # Errors
     ///
@@ -229,7 +238,7 @@ impl Renderer {
     }
 
     /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included; and
-    /// what of the light was drawn.
+    /// what of the light was drawn. Silhouettes are found on the CPU for this, whatever the options.
     ///
     /// # Errors
     ///
@@ -246,6 +255,8 @@ impl Renderer {
         light: &Light,
         kind: TallyKind,
     ) -> Result<(Vec<f32>, LightReport, u32), GpuError> {
+        let shadows = ShadowOptions { silhouettes: SilhouetteSource::Cpu, ..shot.shadows };
+        let shot = &Shot { shadows, ..*shot };
         let size_px = shot.camera.size_px();
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
         let sums = readable_texture(&self.gpu, "tally", self.tally.format, size_px);
@@ -273,7 +284,9 @@ impl Renderer {
     ) -> Result<(LightReport, u32), GpuError> {
         let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
+        let one = std::slice::from_ref(light);
+        let prepared = PreparedLights::new(&self.gpu, &self.mask.shadows, shot, &shadow_view, one)?;
+        let lights = prepared.for_frame(&self.gpu, one, targets)?;
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder(label);
         let frame = Frame {
@@ -282,27 +295,16 @@ impl Renderer {
             spheres: &spheres,
             view: &view,
             shadow_view: &shadow_view,
+            found: prepared.found(),
             lights: &lights,
             glass: None,
             overlay: None,
         };
         record(frame, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
-        let [light] = lights;
-        let start = light.shadows.start();
-        Ok((light.shadows.report, start))
-    }
-
-    fn prepare_light(
-        &self,
-        passes: &Passes,
-        shot: &Shot<'_>,
-        view: &ShadowView,
-        light: &Light,
-    ) -> Result<FrameLight, GpuError> {
-        let casters = &shot.scene.shadow_casters;
-        let shadows = passes.shadows.light(&self.gpu, shot.casters, casters, view, light, &shot.shadows)?;
-        Ok(FrameLight { name: light.name.clone(), shadows })
+        let start = lights.iter().map(|light| light.shadows.start()).sum();
+        let report = prepared.reports().pop().expect("one light has one report");
+        Ok((report, start))
     }
 
     fn upload_overlay(&self, overlay: &Overlay, camera: &Camera) -> Result<GpuOverlay, GpuError> {

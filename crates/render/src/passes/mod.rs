@@ -73,9 +73,9 @@ pub(crate) fn pipeline_layout(
     })
 }
 
-/// How many workgroups there must be in two dimensions for `groups` of them.
-pub(crate) fn groups(gpu: &Gpu, groups: u32) -> [u32; 2] {
-    let across = groups.min(gpu.device.limits().max_compute_workgroups_per_dimension).max(1);
+/// How many workgroups there must be in two dimensions for `groups` of them, where there may be `most` in one.
+pub(crate) fn groups(most: u32, groups: u32) -> [u32; 2] {
+    let across = groups.min(most).max(1);
     [across, groups.div_ceil(across)]
 }
 

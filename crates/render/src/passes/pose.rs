@@ -102,13 +102,14 @@ impl PosePass {
         objects: &[(usize, [u32; 2])],
     ) {
         let stride = Self::uniform_stride(gpu);
+        let most_groups = gpu.device.limits().max_compute_workgroups_per_dimension;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pose"), timestamp_writes: None });
         for (which, pipeline) in [&self.vertices, &self.triangles].into_iter().enumerate() {
             pass.set_pipeline(pipeline);
             for &(object, counts) in objects {
                 pass.set_bind_group(0, group, &[(object * stride) as u32]);
-                let [across, down] = super::groups(gpu, counts[which].div_ceil(GROUP_SIZE));
+                let [across, down] = super::groups(most_groups, counts[which].div_ceil(GROUP_SIZE));
                 pass.dispatch_workgroups(across, down, 1);
             }
         }

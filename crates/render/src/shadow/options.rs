@@ -110,7 +110,7 @@ impl ShadowOptions {
     }
 
     /// These options with one rule off at a time, or another kind of mark, by name; and last with all off.
-    pub fn each_rule_off(self) -> impl Iterator<Item = (&'static str, Self)> {
+    pub fn each_rule_off(self) -> impl Iterator<Item = (&'static str, Self)> + Clone {
         [
             ("lights are not culled", Self { cull_lights: false, ..self }),
             ("casters out of reach are not culled", Self { cull_unreached: false, ..self }),

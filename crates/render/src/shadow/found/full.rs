@@ -59,6 +59,8 @@ pub(super) struct FullFinder {
     /// For drawing.
     drawn: Option<wgpu::BindGroup>,
     staged: Staged,
+    /// Across, or down.
+    most_groups: u32,
 }
 
 /// What one frame uploads.
@@ -108,6 +110,7 @@ impl FullFinder {
             coefficients: growing("coefficients", storage | wgpu::BufferUsages::COPY_SRC),
             lists: growing("sides and caps", storage | wgpu::BufferUsages::COPY_SRC),
             results: growing("results", storage | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC),
+            most_groups: gpu.device.limits().max_compute_workgroups_per_dimension,
             group: None,
             drawn: None,
             staged: Staged {
@@ -245,7 +248,7 @@ impl FullFinder {
     }
 
     /// Records the finding, as a pass of its own that is timed.
-    pub(super) fn record(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
         let finding = &self.staged.finding;
         let Some(group) = self.group.as_ref().filter(|_| finding.job_count > 0) else { return };
         encoder.clear_buffer(self.results.buffer(), 0, Some(RESULT_BYTES * u64::from(finding.job_count)));
@@ -255,7 +258,7 @@ impl FullFinder {
         });
         let blocks =
             [finding.triangle_block_count, finding.edge_block_count, finding.job_count.div_ceil(JOBS_IN_GROUP)];
-        self.pass.draw(&mut pass, group, blocks.map(|blocks| groups(gpu, blocks)));
+        self.pass.draw(&mut pass, group, blocks.map(|blocks| groups(self.most_groups, blocks)));
     }
 
     /// What volumes are drawn with: a group with the offset of a job, and the buffer of arguments.

@@ -242,13 +242,13 @@ impl FoundShadows {
     }
 
     /// Records the finding.
-    pub fn record(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(gpu, encoder, &mut PassTimer::off());
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.record_timed(encoder, &mut PassTimer::off());
     }
 
-    pub(crate) fn record_timed(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
         let Finder::Full(finder) = &self.finder;
-        finder.record(gpu, encoder, timer);
+        finder.record(encoder, timer);
     }
 
     /// The lights of the frame that was planned last, in order.
