@@ -36,8 +36,8 @@ pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
-    CasterReport, FaceCounts, Fate, FoundShadows, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight,
-    ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
+    CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, LIT, LightMark, LightReport, Method, ShadowCasters,
+    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
 };
 pub use targets::{Output, Targets};
 pub use timing::PassTime;

@@ -51,24 +51,24 @@ pub(super) struct FullFinder {
     lights: GrowingBuffer,
     jobs: GrowingBuffer,
     rows: GrowingBuffer,
-    coefficients: GrowingBuffer,
-    lists: GrowingBuffer,
-    results: GrowingBuffer,
+    pub(super) coefficients: GrowingBuffer,
+    pub(super) lists: GrowingBuffer,
+    pub(super) results: GrowingBuffer,
     /// For finding; `None` as long as nothing was.
     group: Option<wgpu::BindGroup>,
     /// For drawing.
     drawn: Option<wgpu::BindGroup>,
-    staged: Staged,
+    pub(super) staged: Staged,
     /// Across, or down.
     most_groups: u32,
 }
 
 /// What one frame uploads.
 #[derive(Debug)]
-struct Staged {
-    finding: FindingUniform,
+pub(super) struct Staged {
+    pub(super) finding: FindingUniform,
     lights: Vec<FoundLightData>,
-    jobs: Vec<JobSlot>,
+    pub(super) jobs: Vec<JobSlot>,
     rows: Vec<u32>,
     list_len: u64,
 }

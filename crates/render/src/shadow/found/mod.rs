@@ -5,6 +5,7 @@
 //!   tables     what is known of meshes before there is a light          uploaded once
 //!   full       facing, silhouettes, cases, draws                        compute
 //!   pipelines  volumes from lists
+//!   read       what was found, for tests
 //!   sums       counts where the stencil can't count as far
 //! ```
 //!
@@ -13,6 +14,7 @@
 mod full;
 mod jobs;
 pub(crate) mod pipelines;
+mod read;
 mod sums;
 mod tables;
 
@@ -21,6 +23,7 @@ use umbrae_core::{Caster, Light};
 use web_time::Instant;
 
 pub(crate) use jobs::FoundDraw;
+pub use read::FoundSilhouette;
 pub use sums::ShadowSums;
 
 use super::options::{ShadowOptions, SilhouetteSource};
