@@ -30,6 +30,8 @@ use web_time::Instant;
 use wgpu::util::DeviceExt as _;
 
 pub use casters::ShadowCasters;
+#[cfg(test)]
+pub(crate) use found::RESULT_BYTES;
 pub use found::{FoundShadows, FoundSilhouette, ShadowSums};
 pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource};
 pub use pipelines::ShadowTarget;

@@ -31,7 +31,7 @@ use crate::{Gpu, GpuError, Tier};
 
 const NONE: u32 = u32::MAX;
 /// Of `Result` in `find.wgsl`.
-pub(super) const RESULT_BYTES: u64 = 16 + 16 * Count::ALL as u64;
+pub(crate) const RESULT_BYTES: u64 = 16 + 16 * Count::ALL as u64;
 /// `@workgroup_size` of `find_arguments`.
 const JOBS_IN_GROUP: u32 = 64;
 /// How many lights have their bits in a word.

@@ -35,7 +35,8 @@ use crate::passes::uniform_buffer_and_group;
 use crate::timing::PassTimer;
 use crate::uniforms::LightUniform;
 use crate::{Gpu, GpuError};
-use full::{FullFinder, RESULT_BYTES};
+use full::FullFinder;
+pub(crate) use full::RESULT_BYTES;
 use jobs::Job;
 use pipelines::{FoldPass, FoundPipelines, job_offset};
 
