@@ -189,7 +189,7 @@ mod tests {
     fn what_is_posed_has_the_same_bytes_in_rust_and_wgsl() {
         assert_same_layout!(
             PosedUniform,
-            include_str!("shaders/pose.wgsl"),
+            &[include_str!("shaders/pose.wgsl"), crate::displacement::NOT_MOVED].concat(),
             "Posed",
             [
                 vertex_count,
@@ -207,9 +207,9 @@ mod tests {
                 origin_world,
                 morph_count,
                 has_skin,
-                unused_a,
-                unused_b,
-                unused_c,
+                time_s,
+                max_offset,
+                unused,
             ]
         );
     }
