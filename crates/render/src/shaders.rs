@@ -2,6 +2,7 @@
 
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
+const JOB: &str = include_str!("shaders/job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
@@ -29,6 +30,23 @@ pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
 }
 
+/// Volumes whose silhouettes were found on the GPU.
+pub(crate) fn found_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    module(device, "found volume", &[VIEW, LIGHT, volume, JOB, include_str!("shaders/found_volume.wgsl")])
+}
+
+/// Sums of `samples` samples a pixel.
+pub(crate) fn fold_sums(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source =
+        if samples > 1 { include_str!("shaders/fold_samples.wgsl") } else { include_str!("shaders/fold_sums.wgsl") };
+    module(device, "fold sums", &[source])
+}
+
+pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "find silhouettes", &[JOB, include_str!("shaders/find.wgsl")])
+}
+
 pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "tone", &[VIEW, include_str!("shaders/tone.wgsl")])
 }
@@ -37,8 +55,9 @@ pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "overlay", &[VIEW, include_str!("shaders/overlay.wgsl")])
 }
 
-pub(crate) fn pose(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "pose", &[include_str!("shaders/pose.wgsl")])
+/// `moved` is the source of a function of that name: see [`crate::Displacement`].
+pub(crate) fn pose(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
+    module(device, "pose", &[include_str!("shaders/pose.wgsl"), moved])
 }
 
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {

@@ -17,7 +17,7 @@ use umbrae_core::{
     AlphaMode, Camera, Caster, Cone, Light, LightPosition, Material, Mesh, Object, Oracle, Role, Scene, Surface,
     Texture, Verdict, Wrap,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare};
 
 use self::random::Random;
 
@@ -142,8 +142,9 @@ fn every_decided_pixel_is_right_among_glass_and_cut_outs_under_lights_that_end()
         let lights = lights(&mut random);
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for method in [Method::Auto, Method::ZFail] {
-                let shadows = ShadowOptions::from(method);
+            let methods = [Method::Auto, Method::ZFail].map(ShadowOptions::from);
+            let found = methods.map(|options| ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
+            for shadows in methods.into_iter().chain(found) {
                 let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);
@@ -152,7 +153,7 @@ fn every_decided_pixel_is_right_among_glass_and_cut_outs_under_lights_that_end()
                 lit += judgements.iter().filter(|j| j.verdict == Some(Verdict::Lit)).count();
                 let [width, _] = SIZE_PX;
                 let errors: Vec<_> = comparison.errors.iter().map(|&i| [i as u32 % width, i as u32 / width]).collect();
-                assert!(errors.is_empty(), "soup {number}, {light:?}, {method:?}: wrong at {errors:?}");
+                assert!(errors.is_empty(), "soup {number}, {light:?}, {shadows:?}: wrong at {errors:?}");
             }
         }
     }

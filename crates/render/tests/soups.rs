@@ -3,36 +3,21 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod random;
+mod soup;
 
-use std::sync::Arc;
+use glam::Vec3;
+use random::Random;
+use soup::soup;
+use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare};
 
-use glam::{DAffine3, Vec3};
-use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, compare};
-
-use self::random::Random;
-
-fn soup(random: &mut Random) -> Scene {
-    let objects = (0..2)
-        .map(|_| {
-            let positions: Vec<Vec3> = (0..12).map(|_| random.point(4.0).as_vec3()).collect();
-            let mut triangles: Vec<[u32; 3]> =
-                (0..10).map(|_| std::array::from_fn(|_| random.below(positions.len()) as u32)).collect();
-            // A fan of ten on one edge, and a few faces twice.
-            triangles.extend((2..12).map(|i| if random.below(2) == 0 { [0, 1, i] } else { [1, 0, i] }));
-            triangles.extend([triangles[3], triangles[5]]);
-            let mesh = Mesh::new(Surface { positions, triangles, ..Surface::default() }).unwrap();
-            Object::new("soup", Arc::new(mesh), DAffine3::IDENTITY)
-        })
-        .collect();
-    Scene { objects, materials: vec![Material::default()], ..Scene::default() }
-}
-
-/// The default, z-fail and counting from the eye, and the default with one rule off at a time.
+/// The default, z-fail and counting from the eye, and the default with one rule off at a time; with silhouettes from the CPU and from the GPU.
 fn all_options() -> impl Iterator<Item = (&'static str, ShadowOptions)> {
     let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
     let methods = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
-    methods.into_iter().chain(ShadowOptions::default().each_rule_off())
+    let of_cpu = methods.into_iter().chain(ShadowOptions::default().each_rule_off());
+    let of_gpu = |(name, options)| (name, ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
+    of_cpu.clone().chain(of_cpu.map(of_gpu))
 }
 
 #[test]
@@ -59,17 +44,22 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         .map(|position| Light::new("light", position, Vec3::ONE));
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            let mut first: Option<Vec<u8>> = None;
+            let mut firsts: [Option<Vec<u8>>; 2] = [None, None];
             for (rule, shadows) in all_options() {
                 let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
+                let first = &mut firsts[usize::from(shadows.silhouettes == SilhouetteSource::Gpu)];
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
-                assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");
+                assert!(
+                    *first == mask.verdicts,
+                    "soup {number}, {light:?}, {rule} differs from the default, {:?}",
+                    shadows.silhouettes
+                );
                 let comparison = compare(&mask.verdicts, judgements);
                 surface += comparison.surface;
                 decided += comparison.decided;
                 with_zpass += usize::from(mask.light.casters.iter().any(|c| c.case().is_some_and(|c| c.number() == 1)));
-                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {rule}");
+                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {rule}, {:?}", shadows.silhouettes);
             }
         }
     }

@@ -25,9 +25,9 @@ pub(crate) struct PosedUniform {
     pub(crate) origin_world: [f32; 3],
     pub(crate) morph_count: u32,
     pub(crate) has_skin: u32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
-    pub(crate) unused_c: u32,
+    pub(crate) time_s: f32,
+    pub(crate) max_offset: f32,
+    pub(crate) unused: u32,
 }
 
 /// Moves objects.
@@ -54,10 +54,11 @@ pub(crate) struct PoseBuffers<'a> {
 }
 
 impl PosePass {
-    pub(crate) fn new(gpu: &Gpu) -> Self {
+    /// `moved` is the source of what moves vertices besides.
+    pub(crate) fn new(gpu: &Gpu, moved: &str) -> Self {
         let layout = layout(gpu);
         let pipeline_layout = super::pipeline_layout(gpu, "pose", &[Some(&layout)]);
-        let module = shaders::pose(&gpu.device);
+        let module = shaders::pose(&gpu.device, moved);
         let pipeline = |entry_point| {
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
@@ -102,13 +103,14 @@ impl PosePass {
         objects: &[(usize, [u32; 2])],
     ) {
         let stride = Self::uniform_stride(gpu);
+        let most_groups = gpu.device.limits().max_compute_workgroups_per_dimension;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pose"), timestamp_writes: None });
         for (which, pipeline) in [&self.vertices, &self.triangles].into_iter().enumerate() {
             pass.set_pipeline(pipeline);
             for &(object, counts) in objects {
                 pass.set_bind_group(0, group, &[(object * stride) as u32]);
-                let [across, down] = groups(gpu, counts[which]);
+                let [across, down] = super::groups(most_groups, counts[which].div_ceil(GROUP_SIZE));
                 pass.dispatch_workgroups(across, down, 1);
             }
         }
@@ -123,13 +125,6 @@ const POSED_SIZE: Option<NonZeroU64> = NonZeroU64::new(size_of::<PosedUniform>()
 
 /// `@workgroup_size` in `pose.wgsl`.
 const GROUP_SIZE: u32 = 64;
-
-/// How many groups there must be in two dimensions for `threads`.
-fn groups(gpu: &Gpu, threads: u32) -> [u32; 2] {
-    let groups = threads.div_ceil(GROUP_SIZE);
-    let across = groups.min(gpu.device.limits().max_compute_workgroups_per_dimension).max(1);
-    [across, groups.div_ceil(across)]
-}
 
 fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let entry = |binding, ty, has_dynamic_offset, min_binding_size| wgpu::BindGroupLayoutEntry {

@@ -8,13 +8,14 @@
 //!   casters    vertices, uploaded once              emit       faces as indices
 //!   spheres    volumes of spheres, as vertices
 //!   pipelines  stencil states                       report     what was drawn and why
-//!   tally      counts and fill as numbers
+//!   tally      counts and fill as numbers            found      silhouettes found on the GPU
 //! ```
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
 
 mod casters;
 mod emit;
+mod found;
 mod options;
 mod pipelines;
 mod plan;
@@ -22,19 +23,25 @@ mod report;
 mod spheres;
 mod tally;
 
+use std::sync::OnceLock;
+
 use umbrae_core::{Camera, Caster, Light, PixelRect, Sphere};
 use web_time::Instant;
 use wgpu::util::DeviceExt as _;
 
 pub use casters::ShadowCasters;
-pub use options::{LightMark, Method, ShadowOptions};
+#[cfg(test)]
+pub(crate) use found::RESULT_BYTES;
+pub use found::{FoundShadows, FoundSilhouette, ShadowSums};
+pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource};
 pub use pipelines::ShadowTarget;
-pub use report::{CasterReport, Fate, LightReport, Why};
+pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};
 pub(crate) use tally::{Tally, TallyKind};
 
-use crate::passes::{Layouts, uniform_group};
+use crate::passes::{Layouts, uniform_buffer_and_group, uniform_group};
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, Look};
+use found::{DrawnWith, FoundDrawing};
 use pipelines::{MARK, Pipelines};
 use plan::{Batch, Draw, Plan, Seen, Source};
 
@@ -46,13 +53,33 @@ pub const LIT: u32 = MARK;
 pub struct Shadows {
     layouts: Layouts,
     pipelines: Pipelines,
+    target: OwnedTarget,
+    /// Compiled when silhouettes are first found on the GPU.
+    found: OnceLock<FoundDrawing>,
+}
+
+/// A [`ShadowTarget`] that is kept.
+#[derive(Debug)]
+struct OwnedTarget {
+    depth_stencil_format: wgpu::TextureFormat,
+    samples: u32,
+    color_formats: Vec<Option<wgpu::TextureFormat>>,
 }
 
 /// What a camera sees of some casters: for all lights of a frame.
 #[derive(Debug)]
 pub struct ShadowView {
     seen: Seen,
+    uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
+}
+
+impl ShadowView {
+    /// Looks at the same casters, which may have moved, from `camera`, in the memory that there is. Draws that are not submitted yet look from there too.
+    pub fn look_from(&mut self, gpu: &Gpu, casters: &[Caster], camera: &Camera) {
+        self.seen.look_from(camera, casters);
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&View::new(camera, &Look::NONE)));
+    }
 }
 
 /// The volumes of one light, on the device.
@@ -64,6 +91,8 @@ pub struct ShadowLight {
     short: Option<wgpu::Buffer>,
     long: Option<wgpu::Buffer>,
     loose: Option<wgpu::Buffer>,
+    /// Of silhouettes found on the GPU.
+    drawn_with: Option<DrawnWith>,
     /// What is drawn and why.
     pub report: LightReport,
 }
@@ -76,8 +105,13 @@ impl ShadowLight {
 
     /// What the stencil must be cleared to before the light is marked, unless receivers are marked one by one.
     pub(crate) fn clear_value(&self) -> u32 {
-        let is_marked_later = self.mark.is_some() || self.plan.mark_kind == LightMark::Receivers;
+        let is_marked_later = self.has_mark() || self.plan.mark_kind == LightMark::Receivers;
         if is_marked_later { 0 } else { LIT }
+    }
+
+    /// Whether the light's reach is marked as a body.
+    fn has_mark(&self) -> bool {
+        !self.plan.mark.is_empty()
     }
 
     /// Whether the surfaces that the light would brighten are to be marked before counting.
@@ -96,7 +130,17 @@ impl Shadows {
     pub fn new(gpu: &Gpu, target: &ShadowTarget<'_>) -> Self {
         let layouts = Layouts::new(gpu);
         let pipelines = Pipelines::new(&gpu.device, &layouts, target);
-        Self { layouts, pipelines }
+        let target = OwnedTarget {
+            depth_stencil_format: target.depth_stencil_format,
+            samples: target.samples,
+            color_formats: target.color_formats.to_vec(),
+        };
+        Self { layouts, pipelines, target, found: OnceLock::new() }
+    }
+
+    fn target(&self) -> ShadowTarget<'_> {
+        let OwnedTarget { depth_stencil_format, samples, color_formats } = &self.target;
+        ShadowTarget { depth_stencil_format: *depth_stencil_format, samples: *samples, color_formats }
     }
 
     /// Makes ready for `camera`, of the size of the pass.
@@ -110,11 +154,12 @@ impl Shadows {
     /// As [`Shadows::view`], with `spheres` that cast besides; what is drawn of them, rounded to `f32`, must be in the depth too.
     pub fn view_with_spheres(&self, gpu: &Gpu, casters: &[Caster], spheres: &[Sphere], camera: &Camera) -> ShadowView {
         let view = View::new(camera, &Look::NONE);
-        let group = uniform_group(gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view));
-        ShadowView { seen: Seen::new(camera, casters, spheres), group }
+        let (uniform, group) = uniform_buffer_and_group(gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view));
+        ShadowView { seen: Seen::new(camera, casters, spheres), uniform, group }
     }
 
-    /// The volumes of `casters`, uploaded as `uploaded`, under `light`.
+    /// The volumes of `casters`, uploaded as `uploaded`, under `light`. Silhouettes are found on the CPU, whatever `options` say;
+    /// [`Shadows::finder`] is for the GPU.
     ///
     /// # Errors
     ///
@@ -164,6 +209,7 @@ impl Shadows {
             short: upload("short indices", bytemuck::cast_slice(&plan.indices.short), wgpu::BufferUsages::INDEX)?,
             long: upload("long indices", bytemuck::cast_slice(&plan.indices.long), wgpu::BufferUsages::INDEX)?,
             loose: upload("sphere volumes", bytemuck::cast_slice(&plan.loose), wgpu::BufferUsages::VERTEX)?,
+            drawn_with: None,
             plan,
             report,
         })
@@ -180,7 +226,7 @@ impl Shadows {
         view: &ShadowView,
         light: &ShadowLight,
     ) {
-        self.reset(pass, view, light, if light.mark.is_none() { LIT } else { 0 });
+        self.reset(pass, view, light, if light.has_mark() { 0 } else { LIT });
         self.draw_reach(pass, view, light);
         self.draw_counts(pass, casters, view, light);
     }
@@ -198,7 +244,9 @@ impl Shadows {
 
     /// Marks the light's reach where the stencil is 0, if the options ask for it and it ends anywhere.
     pub(crate) fn draw_reach(&self, pass: &mut wgpu::RenderPass<'_>, view: &ShadowView, light: &ShadowLight) {
-        let (Some(rect), Some(mark)) = (light.plan.rect, &light.mark) else { return };
+        let (Some(rect), Some(mark)) = (light.plan.rect, light.mark.as_ref().filter(|_| light.has_mark())) else {
+            return;
+        };
         self.bind(pass, view, light);
         set_scissor(pass, rect);
         pass.set_stencil_reference(MARK);
@@ -220,10 +268,10 @@ impl Shadows {
     ) {
         let Some(rect) = light.plan.rect else { return };
         self.bind(pass, view, light);
-        pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             self.start(pass, batch, rect);
             draw_batch(pass, batch, casters, light, |part| self.pipelines.counting(part));
+            self.draw_found(pass, light, &light.plan.found[batch.found.clone()]);
             if i + 1 < light.plan.batches.len() {
                 self.fold(pass, rect);
             }
