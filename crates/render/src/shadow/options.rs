@@ -1,5 +1,7 @@
 //! How shadows are determined, and what may be left out of it. Every choice but [`Method::ZPass`] gives the same verdicts.
 
+use umbrae_core::FinderKind;
+
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
@@ -37,9 +39,11 @@ pub enum LightMark {
 /// All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SilhouetteSource {
-    /// On the CPU, in `f64`, light by light; indices are uploaded in each frame.
+    /// On the CPU, as suits the mesh.
     #[default]
-    Cpu,
+    Auto,
+    /// On the CPU, light by light, by a finder of this kind; indices are uploaded in each frame.
+    Cpu(FinderKind),
     /// By compute shaders, all lights of a frame at once; nothing of a triangle is on the CPU, and nothing is read back.
     /// [`Method::EyeCount`] counts as [`Method::Auto`] does. Needs [`crate::Tier::Full`].
     Gpu,
@@ -75,7 +79,7 @@ impl Default for ShadowOptions {
     fn default() -> Self {
         Self {
             method: Method::Auto,
-            silhouettes: SilhouetteSource::Cpu,
+            silhouettes: SilhouetteSource::Auto,
             cull_lights: true,
             cull_unreached: true,
             cull_unseen: true,
@@ -98,7 +102,7 @@ impl ShadowOptions {
     pub fn without_culling(method: Method) -> Self {
         Self {
             method,
-            silhouettes: SilhouetteSource::Cpu,
+            silhouettes: SilhouetteSource::Auto,
             cull_lights: false,
             cull_unreached: false,
             cull_unseen: false,

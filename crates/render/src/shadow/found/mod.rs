@@ -6,11 +6,13 @@
 //!   full       facing, silhouettes, cases, draws                        compute
 //!   pipelines  volumes from lists
 //!   read       what was found, for tests
+//!   alone      how long finding takes
 //!   sums       counts where the stencil can't count as far
 //! ```
 //!
 //! What is drawn of a light is a [`ShadowLight`], as it is where silhouettes come from the CPU, and is drawn by the same calls.
 
+mod alone;
 mod full;
 mod jobs;
 pub(crate) mod pipelines;
@@ -106,7 +108,7 @@ impl Shadows {
         source: SilhouetteSource,
     ) -> Result<FoundShadows, GpuError> {
         let finder = match source {
-            SilhouetteSource::Cpu => panic!("what is found on the CPU is Shadows::light"),
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => panic!("what is found on the CPU is Shadows::light"),
             SilhouetteSource::Gpu => Finder::Full(FullFinder::new(gpu, casters, uploaded)?),
             SilhouetteSource::GpuBasic => return Err(GpuError::NoSilhouettes { adapter: gpu.label.clone() }),
         };
