@@ -6,6 +6,7 @@
 //!   packets    64 edges and the planes they need   dual       a tree over planes as points of dual space
 //!   simd       what runs on many at once           cones      a tree over triangles with cones of normals
 //!   finder     one door to all                     coherent   what has changed since the last light
+//!   saved      a finder as bytes, and back
 //! ```
 //!
 //! All finders read one set of planes and evaluate one expression for each, so they find the same edges, bit for bit.
@@ -23,6 +24,7 @@ mod finder;
 mod hierarchy;
 mod packets;
 mod plain;
+mod saved;
 mod scan;
 mod simd;
 #[cfg(test)]
@@ -32,6 +34,7 @@ use crate::{Chain, Topology};
 
 pub(crate) use faces::EDGE_ON;
 pub use finder::{Finder, FinderKind, Found};
+pub use saved::SavedError;
 
 /// An edge of the boundary, with its orientation and how often it is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
