@@ -53,7 +53,7 @@ fn measure(renderer: &Renderer, path: &Path) -> anyhow::Result<()> {
         let (mut on_gpu_ms, mut planned_ms, mut on_cpu_ms) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..=FRAMES {
             let found = pollster::block_on(renderer.picture(&by(SilhouetteSource::Gpu)))?;
-            let own = pollster::block_on(renderer.picture(&by(SilhouetteSource::Cpu)))?;
+            let own = pollster::block_on(renderer.picture(&by(SilhouetteSource::Auto)))?;
             if frame == 0 {
                 continue;
             }

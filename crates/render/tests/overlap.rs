@@ -155,7 +155,7 @@ fn with_four_samples_the_floor_under_hundreds_of_sheets_looks_as_if_there_were_n
         let casters = Caster::of_scene(&scene);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let look = Look::for_model(&scene.bounds(), &[lamp()]);
-        let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu];
+        let sources = [SilhouetteSource::Auto, SilhouetteSource::Gpu];
         let by_source = |camera| sources.map(|source| (camera, source));
         for (camera, silhouettes) in cameras()[..2].iter().flat_map(by_source) {
             let picture = |lights: &[Light]| {

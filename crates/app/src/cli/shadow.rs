@@ -125,7 +125,7 @@ impl ShadowArgs {
         ShadowOptions {
             method: self.method.into(),
             silhouettes: match self.silhouettes {
-                Silhouettes::Cpu => SilhouetteSource::Cpu,
+                Silhouettes::Cpu => SilhouetteSource::Auto,
                 Silhouettes::Gpu => SilhouetteSource::Gpu,
             },
             cull_lights: !(self.no_cull || self.no_light_cull),

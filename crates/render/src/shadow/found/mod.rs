@@ -106,7 +106,7 @@ impl Shadows {
         source: SilhouetteSource,
     ) -> Result<FoundShadows, GpuError> {
         let finder = match source {
-            SilhouetteSource::Cpu => panic!("what is found on the CPU is Shadows::light"),
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => panic!("what is found on the CPU is Shadows::light"),
             SilhouetteSource::Gpu => Finder::Full(FullFinder::new(gpu, casters, uploaded)?),
             SilhouetteSource::GpuBasic => return Err(GpuError::NoSilhouettes { adapter: gpu.label.clone() }),
         };
