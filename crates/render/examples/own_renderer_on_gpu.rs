@@ -6,7 +6,7 @@
 
 #[expect(dead_code, reason = "the other example's main and picture are not run")]
 #[path = "own_renderer.rs"]
-mod own_renderer;
+pub(crate) mod own_renderer;
 
 use own_renderer::{COLOR, DEPTH, SIZE_PX, buffer, corners, frame_group, pipelines, texture};
 use umbrae_core::{Camera, Caster, Light};

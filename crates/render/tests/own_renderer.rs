@@ -1,12 +1,10 @@
 //! The example of a renderer of one's own draws what rays say: lit where a light reaches, and nothing of it elsewhere.
 
 #[expect(dead_code, reason = "the example's main is not run")]
-#[path = "../examples/own_renderer.rs"]
-mod own_renderer;
-#[expect(dead_code, reason = "the example's main is not run")]
 #[path = "../examples/own_renderer_on_gpu.rs"]
 mod own_renderer_on_gpu;
 
+use own_renderer_on_gpu::own_renderer;
 use umbrae_core::{Judgement, Light, Oracle, Verdict};
 use umbrae_render::GpuError;
 

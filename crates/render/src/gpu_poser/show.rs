@@ -13,7 +13,7 @@ use crate::{Gpu, GpuError, GpuScene, readback};
 impl GpuPoser {
     /// Submits the moving of `scene` to where `objects` are at `time_s`, and reads nothing back: for silhouettes found on the GPU
     /// ([`crate::SilhouetteSource`]), to which the CPU gives only boxes. Of `casters`, whatever else they say of where they are is from the CPU's own
-    /// posing, without a [`Displacement`], and must be asked for neither silhouettes nor rays. Linear in the vertices of what is posed anew; what is
+    /// posing, without a [`crate::Displacement`], and must be asked for neither silhouettes nor rays. Linear in the vertices of what is posed anew; what is
     /// only displaced costs the CPU nothing.
     ///
     /// # Panics
