@@ -1,8 +1,8 @@
 //! What is told from boxes on the CPU before silhouettes are found on the GPU: which casters matter to a light, how each may be counted, and what
 //! must be drawn of it. Nothing here looks at a triangle.
 //!
-//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times, else by addition in a float
-//! target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
+//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times and there are few such, else by
+//! addition in a float target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
 
 use glam::DVec3;
 use umbrae_core::{Bounds, Camera, Case, Caster, LightPosition, PixelRect};
@@ -116,6 +116,9 @@ const EDGE_ON: f64 = 4e-7;
 /// What `core/src/winding.rs` widens by, and as much again for reasoning in `f32` about the widened.
 const SLACK: f64 = 8e-6;
 
+/// With more batches than this, a float target for the rest costs less than a look at every pixel between each two.
+const MOST_BATCHES: usize = 3;
+
 /// Adds to `jobs` those of `light`, which is number `number` and for which `plan` was started, and to `plan` what is drawn of them.
 #[expect(clippy::too_many_arguments, reason = "one caller; a struct would only repeat the names")]
 pub(super) fn add(
@@ -202,7 +205,8 @@ fn job(
 fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPosition) -> u32 {
     let triangles = caster.mesh.triangles().len() as u32;
     let is_closed = caster.topology.components().iter().all(|component| component.is_closed);
-    let slack = DVec3::splat(job.slack_m.into());
+    // Twice, so that what is clear here is clear to the device too, which rounds.
+    let slack = 2.0 * DVec3::splat(job.slack_m.into());
     let widened = Bounds { min: caster.bounds.min - slack, max: caster.bounds.max + slack };
     let is_at_light = !light.is_directional() && widened.meets(&Bounds::of_points([light.homogeneous().truncate()]));
     let is_at_eye = widened.meets(&Bounds::of_points(camera.near_rectangle()));
@@ -211,7 +215,8 @@ fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPositi
 }
 
 fn add_draws(plan: &mut Plan, job: &Job, number: u32, most_overlaps: u32, rect: PixelRect) {
-    let fits_stencil = most_overlaps <= MOST_OVERLAPS;
+    let has_batch = plan.batches.len() < MOST_BATCHES || plan.has_room(most_overlaps);
+    let fits_stencil = most_overlaps <= MOST_OVERLAPS && has_batch;
     if fits_stencil {
         plan.batch_for(most_overlaps);
     }
