@@ -6,7 +6,7 @@
 //!   packets    64 edges and the planes they need   dual       a tree over planes as points of dual space
 //!   simd       what runs on many at once           cones      a tree over triangles with cones of normals
 //!   finder     one door to all                     coherent   what has changed since the last light
-//!   keeper     which of them a caster deserves
+//!   keeper     which of them a caster deserves    normals    the tree over vertex normals
 //! ```
 //!
 //! All finders read one set of planes and evaluate one expression for each, so they find the same edges, bit for bit.
@@ -23,6 +23,7 @@ mod facing;
 mod finder;
 mod hierarchy;
 mod keeper;
+mod normals;
 mod packets;
 mod plain;
 mod scan;
@@ -35,6 +36,7 @@ use crate::{Chain, Topology};
 pub(crate) use faces::EDGE_ON;
 pub use finder::{Finder, FinderKind, Found};
 pub use keeper::{Outline, Silhouettes};
+pub use normals::NormalFinder;
 
 /// An edge of the boundary, with its orientation and how often it is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
