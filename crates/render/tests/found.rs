@@ -14,7 +14,8 @@ use umbrae_core::{
     Surface, Windings, shapes, silhouette,
 };
 use umbrae_render::{
-    AdapterChoice, FoundSilhouette, Gpu, Method, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, SilhouetteSource,
+    AdapterChoice, FoundSilhouette, Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions,
+    ShadowTarget, Shadows, Shot, SilhouetteSource, Tier,
 };
 
 const LIGHTS: usize = 64;
@@ -172,6 +173,24 @@ fn what_is_found_for_64_lights_closes_and_is_what_the_cpu_finds() {
         "{others} of {triangles} triangles are turned otherwise, {as_chosen} of {components} components count as on the CPU"
     );
     assert!(triangles > 150_000 && others < triangles / 10_000 && as_chosen > components * 9 / 10);
+}
+
+#[test]
+fn a_device_that_does_not_compute_says_so() {
+    let mut gpu = gpu();
+    gpu.caps.tier = Tier::Basic;
+    let scene = shaped();
+    let casters = Caster::of_scene(&scene);
+    let drawn = GpuScene::new(&gpu, &casters, &scene.materials, &scene.textures).unwrap();
+    let camera = Camera::new(DVec3::splat(4.0), DVec3::ZERO, 1.2, 0.05, [16, 12]).unwrap();
+    let shadows = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::default() };
+    let light = Light::new("light", LightPosition::point(DVec3::Z * 3.0), Vec3::ONE);
+    let renderer = Renderer::new(gpu, 1);
+    let mask = |shadows| {
+        pollster::block_on(renderer.mask(&Shot { shadows, ..Shot::new(&drawn, &casters, &camera, &[]) }, &light))
+    };
+    assert!(matches!(mask(shadows), Err(GpuError::NoSilhouettes { .. })));
+    assert!(mask(ShadowOptions::default()).is_ok(), "and finds them on the CPU");
 }
 
 #[test]
