@@ -16,7 +16,8 @@ use umbrae_core::{
     Surface, Windings, shapes, silhouette,
 };
 use umbrae_render::{
-    AdapterChoice, FoundSilhouette, Gpu, Method, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, SilhouetteSource,
+    AdapterChoice, FoundSilhouette, Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions,
+    ShadowTarget, Shadows, Shot, SilhouetteSource, Tier,
 };
 
 const LIGHTS: usize = 64;
@@ -174,6 +175,54 @@ fn what_is_found_for_64_lights_closes_and_is_what_the_cpu_finds() {
         "{others} of {triangles} triangles are turned otherwise, {as_chosen} of {components} components count as on the CPU"
     );
     assert!(triangles > 150_000 && others < triangles / 10_000 && as_chosen > components * 9 / 10);
+}
+
+/// Rays judge one light at a time; here all of a frame are found together, and some have their bits in a second word.
+#[test]
+fn a_picture_under_twenty_lights_is_the_same_wherever_silhouettes_are_found() {
+    let renderer = Renderer::new(gpu(), 4);
+    let scene = shaped();
+    let casters = Caster::of_scene(&scene);
+    let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+    let camera = Camera::new(DVec3::new(4.0, -6.0, 3.5), DVec3::ZERO, 0.9, 0.05, [240, 180]).unwrap();
+    let mut random = Random(23);
+    let lamp = |i: usize| {
+        let position = DVec3::new(random.signed() * 4.0, random.signed() * 4.0, 1.0 + 2.0 * random.signed().abs());
+        Light::new(format!("lamp {i}"), LightPosition::point(position), Vec3::splat(2.0))
+    };
+    let lights: Vec<Light> = (0..20).map(lamp).collect();
+    let picture = |silhouettes, lights: &[Light]| {
+        let shadows = ShadowOptions { silhouettes, ..ShadowOptions::default() };
+        let shot = Shot { shadows, ..Shot::new(&drawn, &casters, &camera, lights) };
+        pollster::block_on(renderer.picture(&shot)).unwrap().rgba
+    };
+    let different = |a: &[u8], b: &[u8]| a.chunks(4).zip(b.chunks(4)).filter(|(a, b)| a != b).count();
+    let on_gpu = picture(SilhouetteSource::Gpu, &lights);
+    // Where a triangle is edge-on to rounding, a pixel may differ.
+    assert!(different(&picture(SilhouetteSource::Cpu, &lights), &on_gpu) < 20);
+    for i in [0, 9, 16, 19] {
+        let mut fewer = lights.clone();
+        fewer.remove(i);
+        assert!(different(&picture(SilhouetteSource::Gpu, &fewer), &on_gpu) > 1000, "lamp {i} shows");
+    }
+}
+
+#[test]
+fn a_device_that_does_not_compute_says_so() {
+    let mut gpu = gpu();
+    gpu.caps.tier = Tier::Basic;
+    let scene = shaped();
+    let casters = Caster::of_scene(&scene);
+    let drawn = GpuScene::new(&gpu, &casters, &scene.materials, &scene.textures).unwrap();
+    let camera = Camera::new(DVec3::splat(4.0), DVec3::ZERO, 1.2, 0.05, [16, 12]).unwrap();
+    let shadows = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::default() };
+    let light = Light::new("light", LightPosition::point(DVec3::Z * 3.0), Vec3::ONE);
+    let renderer = Renderer::new(gpu, 1);
+    let mask = |shadows| {
+        pollster::block_on(renderer.mask(&Shot { shadows, ..Shot::new(&drawn, &casters, &camera, &[]) }, &light))
+    };
+    assert!(matches!(mask(shadows), Err(GpuError::NoSilhouettes { .. })));
+    assert!(mask(ShadowOptions::default()).is_ok(), "and finds them on the CPU");
 }
 
 #[test]
