@@ -3,6 +3,7 @@
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
+const FOUND_TABLES: &str = include_str!("shaders/found_tables.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "surface", &[VIEW, LIGHT, SURFACE])
@@ -27,6 +28,11 @@ pub(crate) fn sphere(device: &wgpu::Device, is_per_sample: bool) -> wgpu::Shader
 
 pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
+}
+
+/// The passes that find silhouettes in textures.
+pub(crate) fn found_basic(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "silhouettes in textures", &[FOUND_TABLES, include_str!("shaders/found_basic.wgsl")])
 }
 
 pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {

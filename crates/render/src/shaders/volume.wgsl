@@ -3,8 +3,7 @@
 // The fourth coordinate says what the first three are: 0 a vertex on the caster; 1 its copy at infinity, straight away from the
 // light (for a directional light all copies are the same bits, because 0 * position vanishes); 2 a direction, for caps.
 
-@vertex
-fn vs_volume(@location(0) vertex: vec4f) -> @builtin(position) @invariant vec4f {
+fn volume_position(vertex: vec4f) -> vec4f {
     var homogeneous = vec4f(vertex.xyz, view.unit);
     if vertex.w > 1.5 {
         homogeneous = vec4f(vertex.xyz, 0.0);
@@ -12,6 +11,11 @@ fn vs_volume(@location(0) vertex: vec4f) -> @builtin(position) @invariant vec4f 
         homogeneous = vec4f(vertex.xyz * light.position_world.w - light.position_world.xyz, 0.0);
     }
     return clip_position(homogeneous);
+}
+
+@vertex
+fn vs_volume(@location(0) vertex: vec4f) -> @builtin(position) @invariant vec4f {
+    return volume_position(vertex);
 }
 
 // One triangle that covers the picture, for the stencil alone.

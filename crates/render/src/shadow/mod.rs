@@ -15,6 +15,7 @@
 
 mod casters;
 mod emit;
+mod found;
 mod options;
 mod pipelines;
 mod plan;

@@ -1,0 +1,275 @@
+//! Casters as textures: everything that finding silhouettes must know of a mesh before there is a light.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use umbrae_core::{Bounds, Camera, Caster, Counting, LightPosition};
+
+use crate::{Gpu, GpuError};
+
+/// Entries in a row; `found_tables.wgsl` has its logarithm. No device has textures narrower.
+pub(super) const WIDTH: u32 = 2048;
+
+/// What a texel holds. Integers, also where they are the bits of floats: every device can draw into these, WebGL2 not into floats.
+pub(super) type Entry = [u32; 4];
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
+/// Entries in a texture, row by row.
+#[derive(Debug)]
+pub(super) struct Table {
+    pub(super) texture: wgpu::Texture,
+    pub(super) view: wgpu::TextureView,
+}
+
+impl Table {
+    pub(super) const FORMAT: wgpu::TextureFormat = FORMAT;
+
+    /// A table of `len` entries, all 0.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when there are more than a texture of the device has rows for: 4 million with WebGL2's 2048.
+    pub(super) fn new(gpu: &Gpu, label: &str, len: usize) -> Result<Self, GpuError> {
+        let row_bytes = u64::from(WIDTH) * size_of::<Entry>() as u64;
+        let rows = (len as u64).div_ceil(u64::from(WIDTH)).max(1);
+        let allowed_rows = u64::from(gpu.device.limits().max_texture_dimension_2d);
+        if rows > allowed_rows {
+            let (needed_bytes, allowed_bytes) = (rows * row_bytes, allowed_rows * row_bytes);
+            return Err(GpuError::TooLarge { adapter: gpu.label.clone(), needed_bytes, allowed_bytes });
+        }
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: WIDTH, height: rows as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::COPY_DST
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self { texture, view })
+    }
+
+    /// A table of `entries`.
+    fn of(gpu: &Gpu, label: &str, entries: &[Entry]) -> Result<Self, GpuError> {
+        let table = Self::new(gpu, label, entries.len())?;
+        table.write(gpu, entries);
+        Ok(table)
+    }
+
+    /// Uploads the first entries.
+    pub(super) fn write(&self, gpu: &Gpu, entries: &[Entry]) {
+        let whole_rows = entries.len() / WIDTH as usize;
+        let (rows, rest) = entries.split_at(whole_rows * WIDTH as usize);
+        for (entries, y, width, height) in
+            [(rows, 0, WIDTH, whole_rows as u32), (rest, whole_rows as u32, rest.len() as u32, 1)]
+        {
+            if entries.is_empty() {
+                continue;
+            }
+            let to =
+                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..self.texture.as_image_copy() };
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width * size_of::<Entry>() as u32),
+                rows_per_image: None,
+            };
+            let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+            gpu.queue.write_texture(to, bytemuck::cast_slice(entries), layout, size);
+        }
+    }
+}
+
+/// Edges of one caster that can be on a silhouette equally often.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct EdgeRun {
+    /// In the table.
+    pub(super) edges: Range<u32>,
+    /// Triangles on each.
+    triangles: u32,
+    /// See [`ComponentBox::is_solid`].
+    is_solid: bool,
+}
+
+impl EdgeRun {
+    /// How often an edge of the run is on a silhouette, at most. `is_facing` says that no solid component has every triangle counted.
+    pub(super) fn most_copies(&self, is_facing: bool) -> u32 {
+        // On a closed component as many triangles walk an edge in one direction as in the other; each counts once or not.
+        if self.is_solid && is_facing { self.triangles / 2 } else { self.triangles }
+    }
+}
+
+/// Where one caster is in the tables.
+#[derive(Debug, Clone)]
+pub(super) struct CasterTables {
+    /// Of its vertices; before them is the middle of its box.
+    pub(super) positions: Range<u32>,
+    pub(super) triangles: Range<u32>,
+    pub(super) edges: Vec<EdgeRun>,
+    pub(super) components: Range<usize>,
+}
+
+/// What decides how a component counts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ComponentBox {
+    /// Its own, or its caster's.
+    pub(super) bounds: Bounds,
+    pub(super) of_caster: Bounds,
+    /// Closed, and no part of it can be seen through.
+    pub(super) is_solid: bool,
+}
+
+impl ComponentBox {
+    /// Whether all of its triangles count, or only those that face the light.
+    pub(super) fn is_every(&self, camera: &Camera, light: LightPosition) -> bool {
+        !self.is_solid || Counting::of_box(&self.bounds, &self.of_caster, camera, light) == Counting::Every
+    }
+
+    /// The largest coordinate of the caster's box.
+    pub(super) fn reach(&self) -> f64 {
+        self.of_caster.min.abs().max(self.of_caster.max.abs()).max_element()
+    }
+}
+
+/// All casters of a scene.
+#[derive(Debug)]
+pub(super) struct Tables {
+    pub(super) positions: Table,
+    pub(super) triangles: Table,
+    pub(super) edges: Table,
+    pub(super) incidences: Table,
+    pub(super) components: Table,
+    pub(super) component_boxes: Vec<ComponentBox>,
+    pub(super) casters: Vec<CasterTables>,
+    pub(super) triangle_count: u32,
+    pub(super) edge_count: u32,
+    /// Bits that hold any edge's multiplicity, with its sign.
+    pub(super) lane_bits: u32,
+}
+
+impl Tables {
+    /// Uploads `casters`: 16 bytes for each vertex and triangle, and about 28 for each edge.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] as for [`Table::new`].
+    pub(super) fn new(gpu: &Gpu, casters: &[Caster]) -> Result<Self, GpuError> {
+        let mut lists = Lists::default();
+        let ranges: Vec<CasterTables> = casters.iter().map(|caster| lists.add(caster)).collect();
+        // Bits are wanted for both signs.
+        let most = lists.edges.iter().map(|edge| edge[3]).max().unwrap_or(0);
+        let lane_bits = [4, 8, 16].into_iter().find(|bits| most < 1 << (bits - 1)).unwrap_or(32);
+        let incidences: Vec<Entry> = lists.incidences.chunks(4).map(entry_of).collect();
+        let tables = Self {
+            positions: Table::new(gpu, "caster positions", lists.position_count as usize)?,
+            triangles: Table::of(gpu, "caster triangles", &lists.triangles)?,
+            edges: Table::of(gpu, "caster edges", &lists.edges)?,
+            incidences: Table::of(gpu, "triangles on edges", &incidences)?,
+            components: Table::new(gpu, "caster components", lists.components)?,
+            component_boxes: component_boxes(casters),
+            casters: ranges,
+            triangle_count: lists.triangles.len() as u32,
+            edge_count: lists.edges.len() as u32,
+            lane_bits,
+        };
+        tables.write_positions(gpu, casters);
+        Ok(tables)
+    }
+
+    /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of.
+    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster]) {
+        self.component_boxes = component_boxes(casters);
+        self.write_positions(gpu, casters);
+    }
+
+    fn write_positions(&self, gpu: &Gpu, casters: &[Caster]) {
+        let mut entries = Vec::new();
+        for (caster, tables) in casters.iter().zip(&self.casters) {
+            let middle = tables.positions.start - 1;
+            let entry = |p: Vec3| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), middle];
+            entries.push(entry(caster.bounds.center().as_vec3()));
+            entries.extend(caster.positions.iter().map(|&p| entry(p)));
+        }
+        self.positions.write(gpu, &entries);
+    }
+}
+
+/// The tables while they grow.
+#[derive(Debug, Default)]
+struct Lists {
+    position_count: u32,
+    triangles: Vec<Entry>,
+    edges: Vec<Entry>,
+    incidences: Vec<u32>,
+    components: usize,
+}
+
+impl Lists {
+    fn add(&mut self, caster: &Caster) -> CasterTables {
+        let topology = &caster.topology;
+        let first_position = self.position_count + 1;
+        self.position_count = first_position + caster.positions.len() as u32;
+        let first_triangle = self.triangles.len() as u32;
+        let components = self.components..self.components + topology.components().len();
+        self.components = components.end;
+        let of_triangle = topology.component_of_triangle();
+        self.triangles.extend(caster.mesh.triangles().iter().zip(of_triangle).map(|(corners, &component)| {
+            let [a, b, c] = corners.map(|i| first_position + i);
+            [a, b, c, components.start as u32 + component]
+        }));
+
+        let key = |e: usize| {
+            let mut on_edge = topology.triangles_on_edge(e);
+            let count = on_edge.len() as u32;
+            let component = on_edge.next().map_or(0, |(t, _)| of_triangle[t]);
+            (topology.components()[component as usize].is_closed && !caster.role.is_see_through(), count)
+        };
+        let mut order: Vec<((bool, u32), usize)> = (0..topology.edges().len()).map(|e| (key(e), e)).collect();
+        order.sort_unstable();
+        let mut runs: Vec<EdgeRun> = Vec::new();
+        for ((is_solid, triangles), e) in order {
+            let number = self.edges.len() as u32;
+            match runs.last_mut() {
+                Some(run) if (run.is_solid, run.triangles) == (is_solid, triangles) => run.edges.end = number + 1,
+                _ => runs.push(EdgeRun { edges: number..number + 1, triangles, is_solid }),
+            }
+            let edge = topology.edges()[e];
+            let first_incidence = self.incidences.len() as u32;
+            let incidence = |(t, direction): (usize, i32)| (first_triangle + t as u32) << 1 | u32::from(direction < 0);
+            self.incidences.extend(topology.triangles_on_edge(e).map(incidence));
+            self.edges.push([first_position + edge.low, first_position + edge.high, first_incidence, triangles]);
+        }
+        CasterTables {
+            positions: first_position..self.position_count,
+            triangles: first_triangle..self.triangles.len() as u32,
+            edges: runs,
+            components,
+        }
+    }
+}
+
+fn entry_of(four: &[u32]) -> Entry {
+    std::array::from_fn(|i| four.get(i).copied().unwrap_or(0))
+}
+
+/// For each component of each caster, in order.
+fn component_boxes(casters: &[Caster]) -> Vec<ComponentBox> {
+    let mut boxes = Vec::new();
+    for caster in casters {
+        let first = boxes.len();
+        boxes.extend(caster.topology.components().iter().map(|component| ComponentBox {
+            bounds: Bounds::EMPTY,
+            of_caster: caster.bounds,
+            is_solid: component.is_closed && !caster.role.is_see_through(),
+        }));
+        for (t, &component) in caster.topology.component_of_triangle().iter().enumerate() {
+            let bounds = &mut boxes[first + component as usize].bounds;
+            *bounds = caster.corners(t).into_iter().map(Vec3::as_dvec3).fold(*bounds, Bounds::including);
+        }
+    }
+    boxes
+}
