@@ -22,7 +22,7 @@ use super::report::{CasterReport, Fate, Why};
 use super::spheres::{is_shut_in, rounded_to_f32};
 
 /// Seven bits count; the eighth is the mark.
-const MOST_OVERLAPS: u32 = 127;
+pub(super) const MOST_OVERLAPS: u32 = 127;
 
 /// What a camera sees of casters, whatever the light.
 #[derive(Debug)]

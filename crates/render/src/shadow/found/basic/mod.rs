@@ -17,11 +17,13 @@
 //!
 //! | file | |
 //! |---|---|
+//! | `parts` | casters in parts that the stencil can count |
 //! | `tables` | triangles, edges and positions as textures |
 //! | `finder` | the two passes |
 //! | `volumes` | what is drawn of the results |
 
 mod finder;
+mod parts;
 mod tables;
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 use umbrae_core::{Bounds, Camera, Caster, Counting, LightPosition};
 
+use super::parts::parts;
 use crate::{Gpu, GpuError};
 
 /// Entries in a row; `found_tables.wgsl` has its logarithm. No device has textures narrower.
@@ -84,23 +85,37 @@ impl Table {
     }
 }
 
-/// Edges of one caster that can be on a silhouette equally often.
+/// Edges of one part that can be on a silhouette equally often.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct EdgeRun {
     /// In the table.
     pub(super) edges: Range<u32>,
-    /// Triangles on each.
-    triangles: u32,
-    /// See [`ComponentBox::is_solid`].
-    is_solid: bool,
+    copies: Copies,
+}
+
+/// How often an edge can be on a silhouette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Copies {
+    /// Where each triangle of a solid component counts once or not, +1.
+    facing: u32,
+    /// Where it may count -1 too.
+    every: u32,
 }
 
 impl EdgeRun {
     /// How often an edge of the run is on a silhouette, at most. `is_facing` says that no solid component has every triangle counted.
     pub(super) fn most_copies(&self, is_facing: bool) -> u32 {
-        // On a closed component as many triangles walk an edge in one direction as in the other; each counts once or not.
-        if self.is_solid && is_facing { self.triangles / 2 } else { self.triangles }
+        if is_facing { self.copies.facing } else { self.copies.every }
     }
+}
+
+/// Where one part of a caster is in the tables.
+#[derive(Debug, Clone)]
+pub(super) struct PartTables {
+    pub(super) triangles: Range<u32>,
+    pub(super) edges: Vec<EdgeRun>,
+    /// No point is in more of its volumes.
+    pub(super) most_overlaps: u32,
 }
 
 /// Where one caster is in the tables.
@@ -108,8 +123,7 @@ impl EdgeRun {
 pub(super) struct CasterTables {
     /// Of its vertices; before them is the middle of its box.
     pub(super) positions: Range<u32>,
-    pub(super) triangles: Range<u32>,
-    pub(super) edges: Vec<EdgeRun>,
+    pub(super) parts: Vec<PartTables>,
     pub(super) components: Range<usize>,
 }
 
@@ -213,42 +227,57 @@ impl Lists {
         let topology = &caster.topology;
         let first_position = self.position_count + 1;
         self.position_count = first_position + caster.positions.len() as u32;
-        let first_triangle = self.triangles.len() as u32;
         let components = self.components..self.components + topology.components().len();
         self.components = components.end;
-        let of_triangle = topology.component_of_triangle();
-        self.triangles.extend(caster.mesh.triangles().iter().zip(of_triangle).map(|(corners, &component)| {
-            let [a, b, c] = corners.map(|i| first_position + i);
-            [a, b, c, components.start as u32 + component]
-        }));
-
-        let key = |e: usize| {
-            let mut on_edge = topology.triangles_on_edge(e);
-            let count = on_edge.len() as u32;
-            let component = on_edge.next().map_or(0, |(t, _)| of_triangle[t]);
-            (topology.components()[component as usize].is_closed && !caster.role.is_see_through(), count)
+        let is_solid = |t: usize| {
+            let component = topology.component_of_triangle()[t] as usize;
+            topology.components()[component].is_closed && !caster.role.is_see_through()
         };
-        let mut order: Vec<((bool, u32), usize)> = (0..topology.edges().len()).map(|e| (key(e), e)).collect();
+
+        let parts = parts(caster);
+        // Of each triangle: its part, and its number in the table.
+        let mut places = vec![(0, 0); caster.mesh.triangles().len()];
+        let mut tables = Vec::with_capacity(parts.len());
+        for (p, part) in parts.iter().enumerate() {
+            let first = self.triangles.len() as u32;
+            for (&t, number) in part.triangles.iter().zip(first..) {
+                let [a, b, c] = caster.mesh.triangles()[t as usize].map(|i| first_position + i);
+                let component = topology.component_of_triangle()[t as usize];
+                self.triangles.push([a, b, c, components.start as u32 + component]);
+                places[t as usize] = (p, number);
+            }
+            let triangles = first..self.triangles.len() as u32;
+            tables.push(PartTables { triangles, edges: Vec::new(), most_overlaps: part.most_overlaps });
+        }
+
+        // Of each part, the edges with their triangles there: a part's chain has a boundary of its own.
+        let mut order: Vec<(usize, Copies, usize)> = Vec::with_capacity(topology.edges().len());
+        let mut on_edge: Vec<(usize, usize, i32)> = Vec::new();
+        for e in 0..topology.edges().len() {
+            on_edge.clear();
+            on_edge.extend(topology.triangles_on_edge(e).map(|(t, direction)| (places[t].0, t, direction)));
+            on_edge.sort_unstable();
+            for of_part in on_edge.chunk_by(|a, b| a.0 == b.0) {
+                let every = of_part.len() as u32;
+                let forward = of_part.iter().filter(|(.., direction)| *direction > 0).count() as u32;
+                let facing = if is_solid(of_part[0].1) { forward.max(every - forward) } else { every };
+                order.push((of_part[0].0, Copies { facing, every }, e));
+            }
+        }
         order.sort_unstable();
-        let mut runs: Vec<EdgeRun> = Vec::new();
-        for ((is_solid, triangles), e) in order {
+        for (part, copies, e) in order {
             let number = self.edges.len() as u32;
-            match runs.last_mut() {
-                Some(run) if (run.is_solid, run.triangles) == (is_solid, triangles) => run.edges.end = number + 1,
-                _ => runs.push(EdgeRun { edges: number..number + 1, triangles, is_solid }),
+            match tables[part].edges.last_mut() {
+                Some(run) if run.copies == copies => run.edges.end = number + 1,
+                _ => tables[part].edges.push(EdgeRun { edges: number..number + 1, copies }),
             }
             let edge = topology.edges()[e];
             let first_incidence = self.incidences.len() as u32;
-            let incidence = |(t, direction): (usize, i32)| (first_triangle + t as u32) << 1 | u32::from(direction < 0);
-            self.incidences.extend(topology.triangles_on_edge(e).map(incidence));
-            self.edges.push([first_position + edge.low, first_position + edge.high, first_incidence, triangles]);
+            let of_part = topology.triangles_on_edge(e).filter(|&(t, _)| places[t].0 == part);
+            self.incidences.extend(of_part.map(|(t, direction)| places[t].1 << 1 | u32::from(direction < 0)));
+            self.edges.push([first_position + edge.low, first_position + edge.high, first_incidence, copies.every]);
         }
-        CasterTables {
-            positions: first_position..self.position_count,
-            triangles: first_triangle..self.triangles.len() as u32,
-            edges: runs,
-            components,
-        }
+        CasterTables { positions: first_position..self.position_count, parts: tables, components }
     }
 }
 

@@ -1,14 +1,14 @@
 //! What the passes find, read back.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
-use umbrae_core::{
-    Camera, Caster, Chain, Counting, LightPosition, Mesh, Object, Role, Scene, Surface, shapes, silhouette,
-};
+use umbrae_core::{Camera, Caster, Chain, Counting, LightPosition, Mesh, Object, Role, Scene, Surface, shapes};
 
 use super::finder::{Finder, Found, MOST_LIGHTS};
-use super::tables::{Entry, Table, Tables};
+use super::parts::parts;
+use super::tables::{Entry, PartTables, Table, Tables};
 use crate::timing::PassTimer;
 use crate::{AdapterChoice, Gpu};
 use random::{Random, soup};
@@ -32,34 +32,31 @@ fn find(gpu: &Gpu, finder: &Finder, tables: &Tables, camera: &Camera, lights: &[
     found
 }
 
-/// Everything that was found for one light: by caster, the coefficients of its triangles and the multiplicities of its edges, in their order.
-fn of_light(
-    (tables, casters): (&Tables, &[Caster]),
+/// What was found for one light, of all casters.
+struct OfLight<'a> {
+    tables: &'a Tables,
     light: usize,
-    [coefficients, multiplicities, edges]: [&[Entry]; 3],
     lane: usize,
-) -> Vec<(Vec<i8>, Vec<i32>)> {
-    let coefficient = |t: u32| match coefficients[t as usize][light / 16] >> (2 * (light % 16)) & 3 {
-        0 => 0,
-        1 => 1,
-        2 => -1,
-        both => panic!("triangle {t} has {both}"),
-    };
-    let bits = tables.lane_bits as usize;
-    let multiplicity = |e: usize| {
-        let lane = u64::from(multiplicities[e][lane * bits / 32]) >> (lane * bits % 32) & ((1 << bits) - 1);
-        (lane as i64 - (1 << (bits - 1))) as i32
-    };
-    let of_caster = |(caster, ranges): (&Caster, &super::tables::CasterTables)| {
-        let mut of_edges = vec![i32::MAX; caster.topology.edges().len()];
-        for e in ranges.edges.iter().flat_map(|run| run.edges.clone()) {
-            let [low, high] = [edges[e as usize][0], edges[e as usize][1]].map(|i| i - ranges.positions.start);
-            let found = caster.topology.edges().binary_search_by_key(&(low, high), |edge| (edge.low, edge.high));
-            of_edges[found.expect("the edge is the caster's")] = multiplicity(e as usize);
+    coefficients: &'a [Entry],
+    multiplicities: &'a [Entry],
+}
+
+impl OfLight<'_> {
+    fn coefficient(&self, t: u32) -> i32 {
+        match self.coefficients[t as usize][self.light / 16] >> (2 * (self.light % 16)) & 3 {
+            0 => 0,
+            1 => 1,
+            2 => -1,
+            both => panic!("triangle {t} has {both}"),
         }
-        (ranges.triangles.clone().map(coefficient).collect(), of_edges)
-    };
-    casters.iter().zip(&tables.casters).map(of_caster).collect()
+    }
+
+    fn multiplicity(&self, e: u32) -> i32 {
+        let bits = self.tables.lane_bits as usize;
+        let bit = self.lane * bits;
+        let lane = u64::from(self.multiplicities[e as usize][bit / 32]) >> (bit % 32) & ((1 << bits) - 1);
+        (lane as i64 - (1 << (bits - 1))) as i32
+    }
 }
 
 fn casters_of(surfaces: impl IntoIterator<Item = Surface>) -> Vec<Caster> {
@@ -121,61 +118,62 @@ fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_
         let tables = Tables::new(&gpu, &casters).expect("small tables");
         let lights = lights(&mut random, &casters, MOST_LIGHTS);
         let found = find(&gpu, &finder, &tables, &camera(&mut random), &lights);
-        let (coefficients, edges) = (read(&gpu, &found.coefficients), read(&gpu, &tables.edges));
+        let [coefficients, edges, triangles, incidences] =
+            [&found.coefficients, &tables.edges, &tables.triangles, &tables.incidences].map(|table| read(&gpu, table));
         let multiplicities: Vec<Vec<Entry>> = found.multiplicities.iter().map(|table| read(&gpu, table)).collect();
-        for i in 0..MOST_LIGHTS {
-            let (table, lane) = found.multiplicities_of(i);
+        for light in 0..MOST_LIGHTS {
+            let (table, lane) = found.multiplicities_of(light);
             let table = found.multiplicities.iter().position(|t| std::ptr::eq(t, table)).expect("one of them");
-            let entries = [coefficients.as_slice(), &multiplicities[table], &edges];
-            let of_casters = of_light((&tables, &casters), i, entries, lane);
-            for ((caster, (coefficients, multiplicities)), c) in casters.iter().zip(of_casters).zip(0..) {
-                let chain = Chain::from_coefficients(coefficients);
-                let mut expected = vec![0; multiplicities.len()];
-                for side in silhouette(&caster.topology, &chain) {
-                    let ends = (side.start.min(side.end), side.start.max(side.end));
-                    let e = caster.topology.edges().binary_search_by_key(&ends, |edge| (edge.low, edge.high));
-                    let sign = if side.start < side.end { 1 } else { -1 };
-                    expected[e.expect("an edge")] = sign * side.multiplicity as i32;
+            let (coefficients, multiplicities) = (&coefficients, &multiplicities[table]);
+            let found_of = OfLight { tables: &tables, light, lane, coefficients, multiplicities };
+            for (c, ranges) in tables.casters.iter().enumerate() {
+                for part in &ranges.parts {
+                    let expected = boundary(part, &triangles, &found_of);
+                    let mut leaving = BTreeMap::new();
+                    let mut of_part = BTreeMap::new();
+                    for run in &part.edges {
+                        for e in run.edges.clone() {
+                            let [low, high, first, count] = edges[e as usize];
+                            let m = found_of.multiplicity(e);
+                            assert!(
+                                m.unsigned_abs() <= run.most_copies(found.facing[light][c]),
+                                "{name}, light {light}"
+                            );
+                            *leaving.entry(low).or_insert(0) += m;
+                            *leaving.entry(high).or_insert(0) -= m;
+                            assert_eq!(
+                                of_part.insert((low, high), m),
+                                None,
+                                "{name}: one entry for each edge of a part"
+                            );
+                            let flat = |i: u32| incidences[i as usize / 4][i as usize % 4] >> 1;
+                            assert!((first..first + count).all(|i| part.triangles.contains(&flat(i))));
+                            sides += usize::from(m != 0);
+                        }
+                    }
+                    let wrong = of_part.iter().find(|&(ends, m)| expected.get(ends) != Some(m));
+                    assert_eq!(wrong, None, "{name}, caster {c}, light {light}");
+                    assert_eq!(of_part.len(), expected.len());
+                    // A boundary has no boundary: as many sides leave each vertex as arrive.
+                    assert!(leaving.values().all(|&sum| sum == 0), "{name}, light {light}");
                 }
-                let wrong = (0..expected.len()).find(|&e| multiplicities[e] != expected[e]);
-                assert_eq!(wrong.map(|e| (e, multiplicities[e], expected[e])), None, "{name}, caster {c}, light {i}");
-                assert_closed(caster, &multiplicities);
-                assert_copies(&found, &tables, (c, i), &edges, caster, &multiplicities);
-                sides += multiplicities.iter().filter(|&&m| m != 0).count();
             }
         }
     }
     assert!(sides > 100_000, "{sides} sides");
 }
 
-/// A boundary has no boundary: as many sides leave each vertex as arrive.
-fn assert_closed(caster: &Caster, multiplicities: &[i32]) {
-    let mut leaving = vec![0; caster.positions.len()];
-    for (edge, &m) in caster.topology.edges().iter().zip(multiplicities) {
-        leaving[edge.low as usize] += m;
-        leaving[edge.high as usize] -= m;
-    }
-    assert!(leaving.iter().all(|&sum| sum == 0));
-}
-
-/// No edge is a side more often than it is drawn.
-fn assert_copies(
-    found: &Found,
-    tables: &Tables,
-    (c, light): (usize, usize),
-    edges: &[Entry],
-    caster: &Caster,
-    multiplicities: &[i32],
-) {
-    let ranges = &tables.casters[c];
-    for run in &ranges.edges {
-        let most = run.most_copies(found.facing[light][c]);
-        for e in run.edges.clone() {
-            let [low, high] = [edges[e as usize][0], edges[e as usize][1]].map(|i| i - ranges.positions.start);
-            let at = caster.topology.edges().binary_search_by_key(&(low, high), |edge| (edge.low, edge.high));
-            assert!(multiplicities[at.expect("an edge")].unsigned_abs() <= most);
+/// For each edge of a part, from lower to higher corner, how often the chain's boundary runs along it: from the corners of triangles alone.
+fn boundary(part: &PartTables, triangles: &[Entry], found: &OfLight<'_>) -> BTreeMap<(u32, u32), i32> {
+    let mut boundary = BTreeMap::new();
+    for t in part.triangles.clone() {
+        let [a, b, c, _] = triangles[t as usize];
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let direction = if from < to { 1 } else { -1 };
+            *boundary.entry((from.min(to), from.max(to))).or_insert(0) += direction * found.coefficient(t);
         }
     }
+    boundary
 }
 
 /// How far, relative to the lengths that it is made of, `f32` may have a height wrong: a few roundings, of 2^-24 each.
@@ -195,14 +193,20 @@ fn coefficients_differ_from_the_cpus_only_where_a_triangle_is_edge_on_but_for_ro
         let camera = camera(&mut random);
         let found = find(&gpu, &finder, &tables, &camera, &lights);
         let coefficients = read(&gpu, &found.coefficients);
-        for ((i, &light), (caster, ranges)) in
-            lights.iter().enumerate().flat_map(|light| casters.iter().zip(&tables.casters).map(move |c| (light, c)))
+        // Which triangle of the caster each of its entries is follows from the partition, which is the same every time.
+        let order = |caster| parts(caster).into_iter().flat_map(|part| part.triangles).collect::<Vec<u32>>();
+        let orders: Vec<Vec<u32>> = casters.iter().map(order).collect();
+        let of_casters = || casters.iter().zip(&tables.casters).zip(&orders);
+        for ((i, &light), ((caster, ranges), order)) in
+            lights.iter().enumerate().flat_map(|light| of_casters().map(move |of_caster| (light, of_caster)))
         {
             let counting = counting(caster, &camera, light);
             let chain = Chain::new(caster, light, &counting);
-            for (t, &expected) in chain.coefficients().iter().enumerate() {
-                let bits = coefficients[ranges.triangles.start as usize + t][i / 16] >> (2 * (i % 16)) & 3;
-                if bits == [0, 1, 2][usize::from(expected.unsigned_abs()) * if expected < 0 { 2 } else { 1 }] {
+            for (&t, entry) in order.iter().zip(ranges.parts[0].triangles.start..) {
+                let t = t as usize;
+                let expected = chain.coefficients()[t];
+                let bits = coefficients[entry as usize][i / 16] >> (2 * (i % 16)) & 3;
+                if bits == if expected < 0 { 2 } else { u32::from(expected.unsigned_abs()) } {
                     alike += 1;
                     continue;
                 }
