@@ -179,9 +179,8 @@ impl Stage {
         let everything = ShadowOptions::without_culling(self.shadows.method);
         let cost = |light: &Light, shadows: ShadowOptions| -> anyhow::Result<Cost> {
             let shot = Shot { shadows, ..self.shot() };
-            let fill = pollster::block_on(self.renderer.fill(&shot, light))?;
-            let mask = pollster::block_on(self.renderer.mask(&shot, light))?;
-            Ok(Cost::new(&mask.light, Some(fill.iter().map(|&fragments| u64::from(fragments)).sum())))
+            let (fill, report) = pollster::block_on(self.renderer.fill(&shot, light))?;
+            Ok(Cost::new(&report, Some(fill.iter().map(|&fragments| u64::from(fragments)).sum())))
         };
         self.lights.iter().map(|light| Ok([cost(light, self.shadows)?, cost(light, everything)?])).collect()
     }
@@ -196,7 +195,7 @@ impl Stage {
     fn fill(&self, lights: &[&Light]) -> anyhow::Result<Vec<u32>> {
         let mut total = self.for_each_pixel(0);
         for light in lights {
-            let fill = pollster::block_on(self.renderer.fill(&self.shot(), light))?;
+            let (fill, _) = pollster::block_on(self.renderer.fill(&self.shot(), light))?;
             total.iter_mut().zip(fill).for_each(|(total, fragments)| *total += fragments);
         }
         Ok(total)

@@ -44,6 +44,7 @@ pub struct CaseChooser {
     view: ConvexRegion,
     near_pyramid: ConvexRegion,
     near_place: NearPlace,
+    slack_m: f64,
 }
 
 /// Regions are widened by this much of the coordinates' size: the GPU works in `f32` (2^-24 a rounding, and a few of them),
@@ -66,6 +67,7 @@ impl CaseChooser {
             view: view_region(camera, slack),
             near_pyramid: near_pyramid(camera, light, slack),
             near_place: NearPlace::new(camera, light, slack),
+            slack_m: slack,
         }
     }
 
@@ -89,6 +91,16 @@ impl CaseChooser {
         } else {
             Case::FailWithoutLightCap
         }
+    }
+
+    /// The hull of the light and the near rectangle, widened for the rounding of `f32`: only what meets it can shade the near rectangle.
+    pub fn near_pyramid(&self) -> &ConvexRegion {
+        &self.near_pyramid
+    }
+
+    /// By how much, in metres, regions are widened.
+    pub fn slack_m(&self) -> f64 {
+        self.slack_m
     }
 
     /// The case when z-fail is asked for: 2 or 3.

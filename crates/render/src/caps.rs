@@ -24,6 +24,10 @@ pub struct Caps {
     pub tally_format: wgpu::TextureFormat,
 }
 
+const FULL: wgpu::DownlevelFlags = wgpu::DownlevelFlags::COMPUTE_SHADERS
+    .union(wgpu::DownlevelFlags::INDIRECT_EXECUTION)
+    .union(wgpu::DownlevelFlags::VERTEX_STORAGE);
+
 impl Caps {
     /// How a buffer of vertices may be used that something is to move: also by compute shaders, where there are any.
     pub(crate) fn moving_vertices(&self) -> wgpu::BufferUsages {
@@ -38,8 +42,7 @@ impl Caps {
     pub(crate) fn of(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Self {
         let has = |feature| device.features().contains(feature);
         let flags = adapter.get_downlevel_capabilities().flags;
-        let is_full = flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::INDIRECT_EXECUTION)
-            && device.limits().max_storage_buffers_per_shader_stage >= 4;
+        let is_full = flags.contains(FULL) && device.limits().max_storage_buffers_per_shader_stage >= 8;
         Self {
             tier: if is_full { Tier::Full } else { Tier::Basic },
             has_timestamps: has(wgpu::Features::TIMESTAMP_QUERY),

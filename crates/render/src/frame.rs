@@ -1,9 +1,11 @@
 //! One frame, in the order in which it happens. Read this file first.
 //!
 //! ```text
+//! silhouettes            of all lights, if they are found on the GPU
 //! surface                every opaque triangle and sphere: depth, ambient light
 //! for each light that reaches the view:
 //!   volumes              the mark, then the shadow volumes into the stencil
+//!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark
 //!   light                this light, added where the stencil says that it reaches
 //! glass                  what is seen through, over all that (pictures only)
 //! overlay                what is shown over the picture, if anything is
@@ -15,7 +17,7 @@ use crate::passes::{
 };
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::timing::PassTimer;
-use crate::{GpuScene, Targets};
+use crate::{FoundShadows, GpuScene, Targets};
 
 /// The passes over surfaces and volumes, for one kind of target.
 #[derive(Debug)]
@@ -34,7 +36,9 @@ pub(crate) struct Frame<'a> {
     pub(crate) spheres: &'a GpuSpheres,
     pub(crate) view: &'a wgpu::BindGroup,
     pub(crate) shadow_view: &'a ShadowView,
-    pub(crate) lights: &'a [FrameLight],
+    /// What finds silhouettes, if that is the GPU.
+    pub(crate) found: Option<&'a FoundShadows>,
+    pub(crate) lights: &'a [FrameLight<'a>],
     /// If there is any, and it is wanted.
     pub(crate) glass: Option<(&'a GlassPass, &'a GlassFrame)>,
     /// With the pass that draws it.
@@ -43,19 +47,22 @@ pub(crate) struct Frame<'a> {
 
 /// One light of a frame.
 #[derive(Debug)]
-pub(crate) struct FrameLight {
-    pub(crate) name: String,
-    pub(crate) shadows: ShadowLight,
+pub(crate) struct FrameLight<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) shadows: &'a ShadowLight,
 }
 
 /// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: usize) -> u32 {
-    4 + 2 * lights as u32
+    5 + 4 * lights as u32
 }
 
 /// Records everything but the tone mapping.
 pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
-    let lights: Vec<&FrameLight> = frame.lights.iter().filter(|light| light.shadows.rect().is_some()).collect();
+    if let Some(found) = frame.found {
+        found.record_timed(encoder, timer);
+    }
+    let lights: Vec<&FrameLight<'_>> = frame.lights.iter().filter(|light| light.shadows.rect().is_some()).collect();
     // Multisampled colour is resolved once, after the last pass that adds to it.
     record_surface(passes, frame, lights.is_empty() && frame.glass.is_none(), encoder, timer);
     for (i, light) in lights.iter().enumerate() {
@@ -63,8 +70,9 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
         let name = format!("volumes: {}", light.name);
         let mut pass = begin(encoder, frame, &name, None, (wgpu::LoadOp::Load, clear_stencil), timer);
         record_mark(passes, frame, light, &mut pass);
-        passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, &light.shadows);
+        passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, light.shadows);
         drop(pass);
+        record_sums(passes, frame, light, encoder, timer);
 
         let is_last = i + 1 == lights.len() && frame.glass.is_none();
         let color = color_attachment(frame.targets, wgpu::LoadOp::Load, is_last);
@@ -114,7 +122,7 @@ pub(crate) fn record_tally(
     };
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
     let mut pass = begin(encoder, frame, "tally", Some(color), keep, timer);
-    tally.draw(&mut pass, kind, &frame.scene.shadow_casters, frame.shadow_view, &light.shadows);
+    tally.draw(&mut pass, kind, &frame.scene.shadow_casters, frame.shadow_view, light.shadows);
 }
 
 fn record_surface(
@@ -132,14 +140,32 @@ fn record_surface(
     passes.spheres.draw_surface(&mut pass, frame.spheres);
 }
 
-fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight, pass: &mut wgpu::RenderPass<'_>) {
+fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight<'_>, pass: &mut wgpu::RenderPass<'_>) {
     if light.shadows.marks_receivers() {
         light.shadows.rect().into_iter().for_each(|rect| set_scissor(pass, rect));
         passes.light.draw_mark(pass, frame.scene, light.shadows.group());
         passes.spheres.draw_mark(pass, frame.spheres, light.shadows.group());
     } else {
-        passes.shadows.draw_reach(pass, frame.shadow_view, &light.shadows);
+        passes.shadows.draw_reach(pass, frame.shadow_view, light.shadows);
     }
+}
+
+/// Records what takes the mark away where volumes that the stencil can't count hold what is seen.
+fn record_sums(
+    passes: &Passes,
+    frame: Frame<'_>,
+    light: &FrameLight<'_>,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let Some(sums) = frame.targets.sums().filter(|_| light.shadows.needs_sums()) else { return };
+    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+    let name = format!("sums: {}", light.name);
+    let mut pass = begin(encoder, frame, &name, Some(sums.attachment()), keep, timer);
+    passes.shadows.draw_sums(&mut pass, frame.shadow_view, light.shadows);
+    drop(pass);
+    let mut pass = begin(encoder, frame, &format!("fold: {}", light.name), None, keep, timer);
+    passes.shadows.draw_fold(&mut pass, light.shadows, sums);
 }
 
 /// Records the tone mapping into `to`, a headless texture or a window's.

@@ -58,6 +58,12 @@ pub enum GpuError {
         /// The adapter's label.
         adapter: String,
     },
+    /// The device can't find silhouettes in the way that was asked for.
+    #[error("{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU")]
+    NoSilhouettes {
+        /// The adapter's label.
+        adapter: String,
+    },
     /// The picture does not fit into one texture of this device.
     #[error("a picture of {}x{} pixels can't be drawn: {adapter} allows {allowed} a side", size_px[0], size_px[1])]
     PictureTooLarge {

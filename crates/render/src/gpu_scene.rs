@@ -10,6 +10,7 @@ use umbrae_core::{Caster, Material, Role, Texture};
 use wgpu::util::DeviceExt as _;
 
 use crate::gpu_finishes::{Finish, FinishKind, Finishes};
+use crate::prepared::KeptFinder;
 use crate::{Gpu, GpuError, ShadowCasters};
 
 /// `Vertex` in `surface.wgsl`.
@@ -40,6 +41,7 @@ pub struct GpuScene {
     pub(crate) glass: Vec<GlassTriangle>,
     pub(crate) shadow_casters: ShadowCasters,
     pub(crate) order: SurfaceOrder,
+    pub(crate) finder: KeptFinder,
 }
 
 /// A triangle that is drawn last, in its place from back to front.
@@ -91,7 +93,15 @@ impl GpuScene {
             contents: bytemuck::cast_slice(&surface),
             usage: gpu.caps.moving_vertices(),
         });
-        gpu.unless_out_of_memory(Ok(Self { surface, draws, finishes, glass, shadow_casters, order }))
+        gpu.unless_out_of_memory(Ok(Self {
+            surface,
+            draws,
+            finishes,
+            glass,
+            shadow_casters,
+            order,
+            finder: KeptFinder::default(),
+        }))
     }
 
     /// Uploads again where `casters` are; they must be those that this was made of, moved, and `materials` the same. As much as

@@ -11,11 +11,13 @@ mod gpu;
 mod gpu_finishes;
 mod gpu_poser;
 mod gpu_scene;
+mod growing;
 mod look;
 mod mipmap;
 mod overlay;
 mod passes;
 mod posing;
+mod prepared;
 mod readback;
 mod renderer;
 mod shaders;
@@ -34,8 +36,8 @@ pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
-    CasterReport, Fate, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowTarget,
-    ShadowView, Shadows, Why,
+    CasterReport, FaceCounts, Fate, FoundShadows, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight,
+    ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
 };
 pub use targets::{Output, Targets};
 pub use timing::PassTime;

@@ -2,16 +2,16 @@
 
 use umbrae_core::{Camera, Caster, Light, Sphere};
 
-use crate::frame::{self, Frame, FrameLight, Passes};
+use crate::frame::{self, Frame, Passes};
 use crate::passes::{
     GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
 };
-use crate::readback::TextureCopy;
-use crate::shadow::{ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
+use crate::prepared::PreparedLights;
+use crate::shadow::{ShadowTarget, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowLight, ShadowOptions, Targets};
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -139,11 +139,11 @@ impl Renderer {
         let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len()));
         let mut encoder = self.encoder("picture");
         let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &finished);
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
+        let lights = lights.reports();
 
-        let rgba = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
+        let rgba = self.gpu.read(&finished).await?;
         let passes = timer.read(&self.gpu, times).await?;
         Ok(Picture { rgba, lights, passes })
     }
@@ -163,26 +163,24 @@ impl Renderer {
         to: &wgpu::TextureView,
     ) -> Result<Vec<LightReport>, GpuError> {
         let mut encoder = self.encoder("frame");
-        let reports = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
+        let lights = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
         self.gpu.queue.submit([encoder.finish()]);
-        Ok(reports)
+        Ok(lights.reports())
     }
 
-    fn record(
+    /// What was prepared must be kept until `encoder` is submitted.
+    fn record<'a>(
         &self,
-        shot: &Shot<'_>,
+        shot: &Shot<'a>,
         targets: &Targets,
         to: &wgpu::TextureView,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
-    ) -> Result<Vec<LightReport>, GpuError> {
+    ) -> Result<PreparedLights<'a>, GpuError> {
         let shadow_view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.picture.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = shot
-            .lights
-            .iter()
-            .map(|light| self.prepare_light(&self.picture, shot, &shadow_view, light))
-            .collect::<Result<Vec<_>, _>>()?;
+        let prepared = PreparedLights::new(&self.gpu, &self.picture.shadows, shot, &shadow_view, shot.lights)?;
+        let lights = prepared.for_frame(&self.gpu, shot.lights, targets)?;
         let view = self.view_group(shot.camera, shot.look);
         let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
         let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
@@ -191,12 +189,21 @@ impl Renderer {
         let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
         let shadow_view = &shadow_view;
         let spheres = &spheres;
-        let frame =
-            Frame { targets, scene: shot.scene, spheres, view: &view, shadow_view, lights: &lights, glass, overlay };
+        let frame = Frame {
+            targets,
+            scene: shot.scene,
+            spheres,
+            view: &view,
+            shadow_view,
+            found: prepared.found(),
+            lights: &lights,
+            glass,
+            overlay,
+        };
         frame::record(&self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
-        Ok(lights.into_iter().map(|light| light.shadows.report).collect())
+        Ok(prepared)
     }
 
     /// Draws the verdict of one light of `shot` at each pixel's centre.
@@ -206,105 +213,98 @@ impl Renderer {
     /// As [`Renderer::picture`].
     pub async fn mask(&self, shot: &Shot<'_>, light: &Light) -> Result<Mask, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
-        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
-        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
-        let view = self.view_group(shot.camera, &Look::NONE);
-        let mut encoder = self.encoder("mask");
-        let frame = Frame {
-            targets: &targets,
-            scene: shot.scene,
-            spheres: &spheres,
-            view: &view,
-            shadow_view: &shadow_view,
-            lights: &lights,
-            glass: None,
-            overlay: None,
-        };
-        frame::record(&self.mask, frame, &mut encoder, &mut PassTimer::off());
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &targets.resolved);
-        self.gpu.queue.submit([encoder.finish()]);
-        let verdicts = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
-        let [light] = lights;
-        Ok(Mask { verdicts, light: light.shadows.report })
+        let (light, _) = self.submit_one(shot, light, &targets, "mask", |frame, encoder| {
+            frame::record(&self.mask, frame, encoder, &mut PassTimer::off());
+        })?;
+        let verdicts = self.gpu.read(&targets.resolved).await?;
+        Ok(Mask { verdicts, light })
     }
 
     /// For each pixel, row by row from the top, how many of the volumes of one light of `shot` hold what is seen there, signed as they are
     /// counted; 0 outside the light's rectangle. Where nothing is seen it is what the volumes leave at infinity.
     ///
-    /// Counted by addition to a float target, not by the stencil: nothing wraps (below 2048 where the device can't add to 32-bit floats).
+    /// Silhouettes are found on the CPU for this, whatever the options. Counted by addition to a float target, not by the stencil: nothing wraps (below 2048 where the device can't add to 32-bit floats).
     ///
     /// # Errors
     ///
     /// As [`Renderer::picture`].
     pub async fn counts(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<i32>, GpuError> {
-        let (sums, shadows) = self.tally(shot, light, TallyKind::Counts).await?;
-        let Some(rect) = shadows.rect() else { return Ok(vec![0; sums.len()]) };
+        let (sums, report, start) = self.tally(shot, light, TallyKind::Counts).await?;
+        let Some(rect) = report.rect else { return Ok(vec![0; sums.len()]) };
         let width = shot.camera.size_px()[0];
-        let start = shadows.start() as i32;
         let at = |i: usize| [i as u32 % width, i as u32 / width];
-        let started = |(i, &sum): (usize, &f32)| sum as i32 + if rect.contains(at(i)) { start } else { 0 };
+        let started = |(i, &sum): (usize, &f32)| sum as i32 + if rect.contains(at(i)) { start as i32 } else { 0 };
         Ok(sums.iter().enumerate().map(started).collect())
     }
 
-    /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included.
+    /// For each pixel, row by row from the top, how many fragments one light of `shot` rasterises into the stencil, marks included; and
+    /// what of the light was drawn. Silhouettes are found on the CPU for this, whatever the options.
     ///
     /// # Errors
     ///
     /// As [`Renderer::picture`].
-    pub async fn fill(&self, shot: &Shot<'_>, light: &Light) -> Result<Vec<u32>, GpuError> {
-        let (sums, _) = self.tally(shot, light, TallyKind::Fill).await?;
-        Ok(sums.iter().map(|&sum| sum as u32).collect())
+    pub async fn fill(&self, shot: &Shot<'_>, light: &Light) -> Result<(Vec<u32>, LightReport), GpuError> {
+        let (sums, report, _) = self.tally(shot, light, TallyKind::Fill).await?;
+        Ok((sums.iter().map(|&sum| sum as u32).collect(), report))
     }
 
+    /// Sums, what was drawn, and where counts start.
     async fn tally(
         &self,
         shot: &Shot<'_>,
         light: &Light,
         kind: TallyKind,
-    ) -> Result<(Vec<f32>, ShadowLight), GpuError> {
+    ) -> Result<(Vec<f32>, LightReport, u32), GpuError> {
+        let shadows = ShadowOptions { silhouettes: SilhouetteSource::Cpu, ..shot.shadows };
+        let shot = &Shot { shadows, ..*shot };
         let size_px = shot.camera.size_px();
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
         let sums = readable_texture(&self.gpu, "tally", self.tally.format, size_px);
         let to = sums.create_view(&wgpu::TextureViewDescriptor::default());
-        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
-        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let lights = [self.prepare_light(&self.mask, shot, &shadow_view, light)?];
-        let view = self.view_group(shot.camera, &Look::NONE);
-        let mut encoder = self.encoder("tally");
-        let frame = Frame {
-            targets: &targets,
-            scene: shot.scene,
-            spheres: &spheres,
-            view: &view,
-            shadow_view: &shadow_view,
-            lights: &lights,
-            glass: None,
-            overlay: None,
-        };
-        frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, &mut encoder);
-        let copy = TextureCopy::record(&self.gpu, &mut encoder, &sums);
-        self.gpu.queue.submit([encoder.finish()]);
-        let bytes = self.gpu.unless_out_of_memory(copy.read(&self.gpu).await)?;
+        let (report, start) = self.submit_one(shot, light, &targets, "tally", |frame, encoder| {
+            frame::record_tally(&self.mask, (&self.tally, kind), frame, &to, encoder);
+        })?;
+        let bytes = self.gpu.read(&sums).await?;
         let sums = if self.tally.format == wgpu::TextureFormat::R32Float {
             bytes.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
         } else {
             bytes.as_chunks().0.iter().map(|&two| half::f16::from_le_bytes(two).to_f32()).collect()
         };
-        let [light] = lights;
-        Ok((sums, light.shadows))
+        Ok((sums, report, start))
     }
 
-    fn prepare_light(
+    /// Submits what `record` records of a frame with one light of `shot`; what was drawn, and where counts start.
+    fn submit_one(
         &self,
-        passes: &Passes,
         shot: &Shot<'_>,
-        view: &ShadowView,
         light: &Light,
-    ) -> Result<FrameLight, GpuError> {
-        let casters = &shot.scene.shadow_casters;
-        let shadows = passes.shadows.light(&self.gpu, shot.casters, casters, view, light, &shot.shadows)?;
-        Ok(FrameLight { name: light.name.clone(), shadows })
+        targets: &Targets,
+        label: &str,
+        record: impl FnOnce(Frame<'_>, &mut wgpu::CommandEncoder),
+    ) -> Result<(LightReport, u32), GpuError> {
+        let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+        let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
+        let one = std::slice::from_ref(light);
+        let prepared = PreparedLights::new(&self.gpu, &self.mask.shadows, shot, &shadow_view, one)?;
+        let lights = prepared.for_frame(&self.gpu, one, targets)?;
+        let view = self.view_group(shot.camera, &Look::NONE);
+        let mut encoder = self.encoder(label);
+        let frame = Frame {
+            targets,
+            scene: shot.scene,
+            spheres: &spheres,
+            view: &view,
+            shadow_view: &shadow_view,
+            found: prepared.found(),
+            lights: &lights,
+            glass: None,
+            overlay: None,
+        };
+        record(frame, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        let start = lights.iter().map(|light| light.shadows.start()).sum();
+        let report = prepared.reports().pop().expect("one light has one report");
+        Ok((report, start))
     }
 
     fn upload_overlay(&self, overlay: &Overlay, camera: &Camera) -> Result<GpuOverlay, GpuError> {

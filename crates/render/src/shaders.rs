@@ -2,6 +2,7 @@
 
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
+const JOB: &str = include_str!("shaders/job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 const FOUND_TABLES: &str = include_str!("shaders/found_tables.wgsl");
 
@@ -30,9 +31,33 @@ pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
 }
 
+/// Volumes whose silhouettes were found on the GPU.
+pub(crate) fn found_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    module(device, "found volume", &[VIEW, LIGHT, volume, JOB, include_str!("shaders/found_volume.wgsl")])
+}
+
+/// Sums of `samples` samples a pixel.
+pub(crate) fn fold_sums(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source =
+        if samples > 1 { include_str!("shaders/fold_samples.wgsl") } else { include_str!("shaders/fold_sums.wgsl") };
+    module(device, "fold sums", &[source])
+}
+
+pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "find silhouettes", &[JOB, include_str!("shaders/find.wgsl")])
+}
+
 /// The passes that find silhouettes in textures.
-pub(crate) fn found_basic(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "silhouettes in textures", &[FOUND_TABLES, include_str!("shaders/found_basic.wgsl")])
+pub(crate) fn find_basic(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "find silhouettes in textures", &[FOUND_TABLES, include_str!("shaders/find_basic.wgsl")])
+}
+
+/// Volumes whose silhouettes were found in textures.
+pub(crate) fn found_basic_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    let found = include_str!("shaders/found_basic_volume.wgsl");
+    module(device, "volume found in textures", &[VIEW, LIGHT, volume, FOUND_TABLES, found])
 }
 
 pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {

@@ -1,6 +1,8 @@
 //! The textures that a frame draws into.
 
-use crate::{Gpu, GpuError};
+use std::sync::OnceLock;
+
+use crate::{Gpu, GpuError, ShadowSums};
 
 /// Radiance of pictures: 16-bit floats, so that many lights add up without bands.
 pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -46,6 +48,9 @@ pub struct Targets {
     pub(crate) depth_stencil: wgpu::TextureView,
     pub(crate) samples: u32,
     pub(crate) output: Output,
+    size_px: [u32; 2],
+    /// Made when first needed.
+    sums: OnceLock<ShadowSums>,
 }
 
 impl Targets {
@@ -82,6 +87,25 @@ impl Targets {
             resolved_view.clone()
         };
         let depth_stencil = view(&texture("depth stencil", gpu.caps.depth_stencil_format, samples, none));
-        Ok(Self { color, resolved, resolved_view, depth_stencil, samples, output })
+        Ok(Self { color, resolved, resolved_view, depth_stencil, samples, output, size_px, sums: OnceLock::new() })
+    }
+
+    /// Makes what volumes are added up in that the stencil can't count, unless that was done.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::PictureTooLarge`].
+    pub(crate) fn make_sums(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        if self.sums.get().is_none() {
+            let sums = ShadowSums::new(gpu, self.size_px, self.samples)?;
+            // Whoever was faster made the same.
+            let _ = self.sums.set(sums);
+        }
+        Ok(())
+    }
+
+    /// What [`Targets::make_sums`] made.
+    pub(crate) fn sums(&self) -> Option<&ShadowSums> {
+        self.sums.get()
     }
 }

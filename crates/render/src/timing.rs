@@ -54,6 +54,16 @@ impl PassTimer {
         })
     }
 
+    /// As [`PassTimer::writes`], for a compute pass.
+    pub(crate) fn compute_writes(&mut self, name: &str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let writes = self.writes(name.to_owned())?;
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: writes.query_set,
+            beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
+            end_of_pass_write_index: writes.end_of_pass_write_index,
+        })
+    }
+
     /// Records the way of the results into a buffer; `None` where there are none.
     pub(crate) fn resolve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Option<wgpu::Buffer> {
         let queries = self.queries.as_ref().filter(|_| !self.names.is_empty())?;

@@ -7,13 +7,18 @@ mod soup;
 use glam::Vec3;
 use soup::{Random, soup};
 use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Oracle};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+};
 
-/// The default, z-fail and counting from the eye, and the default with one rule off at a time.
+/// The default, z-fail and counting from the eye, and the default with one rule off at a time; with silhouettes from the CPU and, in both ways, from the GPU.
 fn all_options() -> impl Iterator<Item = (&'static str, ShadowOptions)> {
     let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
     let methods = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
-    methods.into_iter().chain(ShadowOptions::default().each_rule_off())
+    let of_cpu = methods.into_iter().chain(ShadowOptions::default().each_rule_off());
+    let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+    let found = |source| move |(name, options)| (name, ShadowOptions { silhouettes: source, ..options });
+    sources.into_iter().flat_map(move |source| of_cpu.clone().map(found(source)))
 }
 
 #[test]
@@ -41,7 +46,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         .map(|position| Light::new("light", position, Vec3::ONE));
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            let mut first: Option<Vec<u8>> = None;
+            let mut firsts: [Option<Vec<u8>>; 3] = [None, None, None];
             for (rule, shadows) in all_options() {
                 let shot = Shot {
                     scene: &gpu_scene,
@@ -54,13 +59,18 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
                     spheres: &[],
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
+                let first = &mut firsts[shadows.silhouettes as usize];
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
-                assert!(*first == mask.verdicts, "soup {number}, {light:?}, {rule} differs from the default");
+                assert!(
+                    *first == mask.verdicts,
+                    "soup {number}, {light:?}, {rule} differs from the default, {:?}",
+                    shadows.silhouettes
+                );
                 let comparison = compare(&mask.verdicts, judgements);
                 surface += comparison.surface;
                 decided += comparison.decided;
                 with_zpass += usize::from(mask.light.casters.iter().any(|c| c.case().is_some_and(|c| c.number() == 1)));
-                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {rule}");
+                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {rule}, {:?}", shadows.silhouettes);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! How shadows are determined: the method, who casts, and a switch for everything that may be left out.
 
 use clap::{Args, ValueEnum};
-use umbrae_render::ShadowOptions;
+use umbrae_render::{ShadowOptions, SilhouetteSource};
 
 use crate::cast::{CastChoice, Pattern};
 
@@ -110,6 +110,7 @@ impl ShadowArgs {
     pub fn options(&self) -> ShadowOptions {
         ShadowOptions {
             method: self.method.into(),
+            silhouettes: SilhouetteSource::Cpu,
             cull_lights: !(self.no_cull || self.no_light_cull),
             cull_unreached: !(self.no_cull || self.no_reach_cull),
             cull_unseen: !(self.no_cull || self.no_view_cull),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 use umbrae_core::{Case, Caster, Cone, Light, PixelRect, Role, Sphere};
-use umbrae_render::{CasterReport, Fate, LightReport, Why};
+use umbrae_render::{CasterReport, FaceCounts, Fate, LightReport, Why};
 
 /// One light and what it drew.
 ///
@@ -164,7 +164,7 @@ impl Culled {
                 Fate::LightUnseen => culled.light_out_of_view += 1,
                 Fate::Unreached => culled.out_of_reach += 1,
                 Fate::Unseen => culled.shadow_out_of_view += 1,
-                Fate::Drawn { .. } => {}
+                Fate::Drawn { .. } | Fate::DrawnAsFound => {}
             }
         }
         culled
@@ -174,8 +174,9 @@ impl Culled {
 /// What the volumes of one light cost.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Cost {
-    /// All casters together.
-    triangles: TrianglesByPart,
+    /// All casters together; absent where only the GPU knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<TrianglesByPart>,
     /// Bytes of indices uploaded.
     index_bytes: usize,
     /// With `--count-fragments`: fragments rasterised into the stencil, those of marks included, one sample a pixel.
@@ -186,13 +187,8 @@ pub struct Cost {
 impl Cost {
     /// Of what `report` tells, with the fragments if they were counted.
     pub fn new(report: &LightReport, fragments: Option<u64>) -> Self {
-        let of_all = |part: fn(&CasterReport) -> usize| all(report).map(part).sum();
         Self {
-            triangles: TrianglesByPart {
-                sides: of_all(|caster| caster.side_triangles),
-                dark_cap: of_all(|caster| caster.dark_cap_triangles),
-                light_cap: of_all(|caster| caster.light_cap_triangles),
-            },
+            triangles: all(report).map(|caster| caster.faces.map(TrianglesByPart::from)).sum(),
             index_bytes: report.index_bytes,
             fragments,
         }
@@ -216,7 +212,7 @@ struct CasterJson {
     is_glass: bool,
     /// "drawn", or why it was not: "not casting", "light out of view", "out of reach" or "shadow out of view".
     fate: &'static str,
-    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn.
+    /// McGuire's: 1 z-pass, 2 z-fail without light cap, 3 z-fail; absent if it was not drawn, or if only the GPU knows.
     #[serde(skip_serializing_if = "Option::is_none")]
     case: Option<u32>,
     /// What decided the case: "near rectangle clear", "near rectangle may be shaded", "method", "eye counted" or "side crosses near rectangle".
@@ -225,12 +221,15 @@ struct CasterJson {
     /// By the method `eye-count`: how many of its volumes the eye is in.
     #[serde(skip_serializing_if = "Option::is_none")]
     volumes_around_eye: Option<u32>,
-    /// Different edges between what is turned to the light and what is not.
-    silhouette_edges: usize,
+    /// Different edges between what is turned to the light and what is not; this and the next two are absent where only the GPU knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    silhouette_edges: Option<usize>,
     /// What its shadow volume is drawn with.
-    triangles: TrianglesByPart,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<TrianglesByPart>,
     /// What each cap would have if it were drawn whole.
-    chain_triangles: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chain_triangles: Option<usize>,
     /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
     parts: usize,
     /// Bytes of each of a triangle's three indices: 2 or 4; 0 if it was not drawn.
@@ -240,7 +239,7 @@ struct CasterJson {
     scissor: Option<Rect>,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize)]
 struct TrianglesByPart {
     /// Between the silhouette and its shadow.
     sides: usize,
@@ -248,6 +247,22 @@ struct TrianglesByPart {
     dark_cap: usize,
     /// On the caster itself.
     light_cap: usize,
+}
+
+impl From<FaceCounts> for TrianglesByPart {
+    fn from(faces: FaceCounts) -> Self {
+        Self { sides: faces.side_triangles, dark_cap: faces.dark_cap_triangles, light_cap: faces.light_cap_triangles }
+    }
+}
+
+impl std::iter::Sum for TrianglesByPart {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |a, b| Self {
+            sides: a.sides + b.sides,
+            dark_cap: a.dark_cap + b.dark_cap,
+            light_cap: a.light_cap + b.light_cap,
+        })
+    }
 }
 
 impl CasterJson {
@@ -263,7 +278,7 @@ impl CasterJson {
                 Fate::LightUnseen => "light out of view",
                 Fate::Unreached => "out of reach",
                 Fate::Unseen => "shadow out of view",
-                Fate::Drawn { .. } => "drawn",
+                Fate::Drawn { .. } | Fate::DrawnAsFound => "drawn",
             },
             case: report.case().map(Case::number),
             why: why.map(|why| match why {
@@ -274,13 +289,9 @@ impl CasterJson {
                 Why::SideCrossesNearRectangle => "side crosses near rectangle",
             }),
             volumes_around_eye: if let Some(Why::EyeCounted(volumes)) = why { Some(volumes) } else { None },
-            silhouette_edges: report.silhouette_edges,
-            triangles: TrianglesByPart {
-                sides: report.side_triangles,
-                dark_cap: report.dark_cap_triangles,
-                light_cap: report.light_cap_triangles,
-            },
-            chain_triangles: report.chain_triangles,
+            silhouette_edges: report.faces.map(|faces| faces.silhouette_edges),
+            triangles: report.faces.map(TrianglesByPart::from),
+            chain_triangles: report.faces.map(|faces| faces.chain_triangles),
             parts: report.parts,
             bytes_per_index: report.index_bytes,
             scissor: report.rect.map(Into::into),

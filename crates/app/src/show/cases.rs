@@ -20,6 +20,7 @@ enum Kind {
     Pass,
     FailWithoutLightCap,
     Fail,
+    Found,
     Unseen,
     Unreached,
     LightUnseen,
@@ -27,10 +28,11 @@ enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Pass,
         Self::FailWithoutLightCap,
         Self::Fail,
+        Self::Found,
         Self::Unseen,
         Self::Unreached,
         Self::LightUnseen,
@@ -42,6 +44,7 @@ impl Kind {
             Fate::Drawn { case: Case::Pass, .. } => Self::Pass,
             Fate::Drawn { case: Case::FailWithoutLightCap, .. } => Self::FailWithoutLightCap,
             Fate::Drawn { case: Case::Fail, .. } => Self::Fail,
+            Fate::DrawnAsFound => Self::Found,
             Fate::Unseen => Self::Unseen,
             Fate::Unreached => Self::Unreached,
             Fate::LightUnseen => Self::LightUnseen,
@@ -54,6 +57,7 @@ impl Kind {
             Self::Pass => [96, 150, 220],
             Self::FailWithoutLightCap => [222, 190, 40],
             Self::Fail => [60, 180, 70],
+            Self::Found => [170, 110, 200],
             Self::Unseen => [150, 146, 150],
             Self::Unreached => [92, 90, 96],
             Self::LightUnseen => [52, 52, 56],
@@ -67,6 +71,7 @@ impl Kind {
             Self::Pass => "in case 1: z-pass, sides only",
             Self::FailWithoutLightCap => "in case 2: z-fail, sides and dark cap",
             Self::Fail => "in case 3: z-fail, sides and both caps",
+            Self::Found => "in a case that only the GPU knows",
             Self::Unseen => "left out: no shadow of theirs in view",
             Self::Unreached => "left out: beyond the light's reach",
             Self::LightUnseen => "left out: the light's reach is out of view",

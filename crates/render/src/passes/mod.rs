@@ -1,5 +1,6 @@
 //! The passes. Each owns its pipelines: `new` compiles, `draw` records.
 
+mod find;
 mod glass;
 mod light;
 mod overlay;
@@ -8,6 +9,7 @@ mod sphere;
 mod surface;
 mod tone;
 
+pub(crate) use find::{FindPass, FindingUniform, FoundLightData, JobSlot, JobUniform, MOST_PLANES, job_flags};
 pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::LightPass;
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
@@ -71,19 +73,36 @@ pub(crate) fn pipeline_layout(
     })
 }
 
+/// How many workgroups there must be in two dimensions for `groups` of them, where there may be `most` in one.
+pub(crate) fn groups(most: u32, groups: u32) -> [u32; 2] {
+    let across = groups.min(most).max(1);
+    [across, groups.div_ceil(across)]
+}
+
 /// A uniform buffer with `bytes` in it, bound alone in a group.
 pub(crate) fn uniform_group(gpu: &Gpu, label: &str, layout: &wgpu::BindGroupLayout, bytes: &[u8]) -> wgpu::BindGroup {
+    uniform_buffer_and_group(gpu, label, layout, bytes).1
+}
+
+/// As [`uniform_group`], with the buffer, to be written again.
+pub(crate) fn uniform_buffer_and_group(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    bytes: &[u8],
+) -> (wgpu::Buffer, wgpu::BindGroup) {
     use wgpu::util::DeviceExt as _;
     let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents: bytes,
-        usage: wgpu::BufferUsages::UNIFORM,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
     });
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some(label),
         layout,
         entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
-    })
+    });
+    (buffer, group)
 }
 
 /// Two-sided triangles, as everything here is drawn.

@@ -102,13 +102,14 @@ impl PosePass {
         objects: &[(usize, [u32; 2])],
     ) {
         let stride = Self::uniform_stride(gpu);
+        let most_groups = gpu.device.limits().max_compute_workgroups_per_dimension;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pose"), timestamp_writes: None });
         for (which, pipeline) in [&self.vertices, &self.triangles].into_iter().enumerate() {
             pass.set_pipeline(pipeline);
             for &(object, counts) in objects {
                 pass.set_bind_group(0, group, &[(object * stride) as u32]);
-                let [across, down] = groups(gpu, counts[which]);
+                let [across, down] = super::groups(most_groups, counts[which].div_ceil(GROUP_SIZE));
                 pass.dispatch_workgroups(across, down, 1);
             }
         }
@@ -123,13 +124,6 @@ const POSED_SIZE: Option<NonZeroU64> = NonZeroU64::new(size_of::<PosedUniform>()
 
 /// `@workgroup_size` in `pose.wgsl`.
 const GROUP_SIZE: u32 = 64;
-
-/// How many groups there must be in two dimensions for `threads`.
-fn groups(gpu: &Gpu, threads: u32) -> [u32; 2] {
-    let groups = threads.div_ceil(GROUP_SIZE);
-    let across = groups.min(gpu.device.limits().max_compute_workgroups_per_dimension).max(1);
-    [across, groups.div_ceil(across)]
-}
 
 fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let entry = |binding, ty, has_dynamic_offset, min_binding_size| wgpu::BindGroupLayoutEntry {

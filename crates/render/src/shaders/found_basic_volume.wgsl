@@ -5,7 +5,7 @@
 // moved out of the frustum.
 
 // Where the light's numbers are.
-struct FoundLight {
+struct FoundIn {
     // Among the coefficients of a triangle.
     number: u32,
     // Among the multiplicities of an edge.
@@ -14,7 +14,7 @@ struct FoundLight {
     unused: u32,
 }
 
-@group(2) @binding(0) var<uniform> found: FoundLight;
+@group(2) @binding(0) var<uniform> found: FoundIn;
 // Three bit patterns of f32, and the number of the middle of the caster's box.
 @group(2) @binding(1) var positions: texture_2d<u32>;
 @group(2) @binding(2) var triangles: texture_2d<u32>;
@@ -42,39 +42,29 @@ fn multiplicity(edge: u32) -> i32 {
 const SECOND_CORNERS: u32 = 0x34u;
 const OTHER_CORNERS: u32 = 0x16u;
 
-// A quad; six vertices an edge.
+// A quad, six vertices an edge; or, up to the one point at infinity of a directional light, a triangle, three vertices an edge.
 @vertex
 fn vs_sides(
     @builtin(vertex_index) vertex: u32,
     @builtin(instance_index) copy: u32,
 ) -> @builtin(position) @invariant vec4f {
-    let edge = vertex / 6u;
+    let is_quad = light.position_world.w != 0.0;
+    let corner_count = select(3u, 6u, is_quad);
+    let edge = vertex / corner_count;
     let times = multiplicity(edge);
     if copy >= u32(abs(times)) {
         return NOWHERE;
     }
-    let bit = 1u << (vertex % 6u);
+    let corner = vertex % corner_count;
     let is_forward = times > 0;
-    let is_high = (select(OTHER_CORNERS, SECOND_CORNERS, is_forward) & bit) != 0u;
-    let is_far = (select(SECOND_CORNERS, OTHER_CORNERS, is_forward) & bit) != 0u;
+    var is_high = (corner == 2u) == is_forward;
+    var is_far = corner == 1u;
+    if is_quad {
+        is_high = ((select(OTHER_CORNERS, SECOND_CORNERS, is_forward) >> corner) & 1u) == 1u;
+        is_far = ((select(SECOND_CORNERS, OTHER_CORNERS, is_forward) >> corner) & 1u) == 1u;
+    }
     let ends = textureLoad(edges, place_of(edge), 0);
     return volume_corner(select(ends.x, ends.y, is_high), is_far);
-}
-
-// A triangle up to the one point at infinity of a directional light; three vertices an edge.
-@vertex
-fn vs_sides_to_point(
-    @builtin(vertex_index) vertex: u32,
-    @builtin(instance_index) copy: u32,
-) -> @builtin(position) @invariant vec4f {
-    let edge = vertex / 3u;
-    let times = multiplicity(edge);
-    if copy >= u32(abs(times)) {
-        return NOWHERE;
-    }
-    let corner = vertex % 3u;
-    let ends = textureLoad(edges, place_of(edge), 0);
-    return volume_corner(select(ends.x, ends.y, (corner == 2u) == (times > 0)), corner == 1u);
 }
 
 // The dark cap as a fan about the middle of the caster's box; three vertices an edge.
@@ -119,7 +109,7 @@ fn vs_light_cap(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invar
 
 // The triangles of the light cap that face the light, as they are; three vertices a triangle.
 @vertex
-fn vs_faced_cap(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
+fn vs_faced(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
     let triangle = casting_triangle(vertex / 3u);
     if triangle.times <= 0 {
         return NOWHERE;
@@ -129,7 +119,7 @@ fn vs_faced_cap(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invar
 
 // The triangles of the light cap that do not, as they are: the other way round than the volume needs them; three vertices a triangle.
 @vertex
-fn vs_turned_cap(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
+fn vs_turned(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
     let triangle = casting_triangle(vertex / 3u);
     if triangle.times >= 0 {
         return NOWHERE;
@@ -160,7 +150,7 @@ const AXIS_VERTICES: u32 = 0x124u;
 
 // The dark cap as the chain itself, at infinity; nine vertices a triangle, of which most need three.
 @vertex
-fn vs_dark_chain(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
+fn vs_projected(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4f {
     let triangle = casting_triangle(vertex / 9u);
     if triangle.times == 0 {
         return NOWHERE;

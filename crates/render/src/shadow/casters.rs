@@ -1,5 +1,7 @@
 //! The vertices of shadow volumes on the GPU.
 
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
 use glam::DVec3;
 use umbrae_core::Caster;
 use wgpu::util::DeviceExt as _;
@@ -58,6 +60,9 @@ impl Block {
 pub struct ShadowCasters {
     pub(crate) vertices: wgpu::Buffer,
     pub(crate) blocks: Vec<Block>,
+    /// Whether a caster may be elsewhere than where it was.
+    pub(crate) has_moved: Vec<AtomicBool>,
+    moves: AtomicU64,
 }
 
 impl ShadowCasters {
@@ -82,16 +87,26 @@ impl ShadowCasters {
             contents: bytemuck::cast_slice(&volume_vertices(casters)),
             usage: gpu.caps.moving_vertices(),
         });
-        Ok(Self { vertices, blocks })
+        let has_moved = casters.iter().map(|_| AtomicBool::new(false)).collect();
+        Ok(Self { vertices, blocks, has_moved, moves: AtomicU64::new(0) })
+    }
+
+    /// How often casters were moved so far.
+    pub(crate) fn moves(&self) -> u64 {
+        self.moves.load(Ordering::Relaxed)
     }
 
     /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of.
     pub fn update(&self, gpu: &Gpu, casters: &[Caster]) {
+        self.moves.fetch_add(1, Ordering::Relaxed);
+        self.has_moved.iter().for_each(|has_moved| has_moved.store(true, Ordering::Relaxed));
         gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&volume_vertices(casters)));
     }
 
-    /// Uploads the middle of the box of `caster`, number `i`.
+    /// Uploads the middle of the box of `caster`, number `i`, which something else has moved.
     pub(crate) fn update_middle(&self, gpu: &Gpu, i: usize, caster: &Caster) {
+        self.moves.fetch_add(1, Ordering::Relaxed);
+        self.has_moved[i].store(true, Ordering::Relaxed);
         let vertex = self.blocks[i].first_vertex + Block::MIDDLE;
         let offset = u64::from(vertex) * size_of::<VolumeVertex>() as u64;
         gpu.queue.write_buffer(&self.vertices, offset, bytemuck::bytes_of(&middle(caster)));

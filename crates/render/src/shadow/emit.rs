@@ -42,6 +42,11 @@ impl Indices {
         start as u32..(start + flat.len()) as u32
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.short.clear();
+        self.long.clear();
+    }
+
     /// Bytes of all.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(self.short.as_slice()) + size_of_val(self.long.as_slice())
@@ -69,11 +74,11 @@ pub(super) fn emit(
     };
     let is_pass = case == Case::Pass;
     let mut body = sides(block, volume, light);
-    report.side_triangles += body.len();
+    report.faces_mut().side_triangles += body.len();
     if !is_pass && shows_dark_cap && !light.is_directional() {
         let before = body.len();
         add_dark_cap(&mut body, caster, block, volume, light);
-        report.dark_cap_triangles += body.len() - before;
+        report.faces_mut().dark_cap_triangles += body.len() - before;
     }
     add(if is_pass { Part::Pass } else { Part::Fail }, &body);
 
@@ -81,12 +86,12 @@ pub(super) fn emit(
         // Not every pixel of these surfaces is in the depth buffer, so their caps are in front of what is seen or behind it like any other
         // face; and where they are what is seen, only the triangle as it was drawn has the same depth.
         let (faced, turned) = caps_as_drawn(block, caster, chain);
-        report.light_cap_triangles += faced.len() + turned.len();
+        report.faces_mut().light_cap_triangles += faced.len() + turned.len();
         add(if is_pass { Part::Pass } else { Part::Fail }, &faced);
         add(if is_pass { Part::PassTurned } else { Part::FailTurned }, &turned);
     } else if case == Case::Fail {
         let cap: Vec<[u32; 3]> = volume.light_cap.iter().map(|t| t.map(|i| block.near(i))).collect();
-        report.light_cap_triangles += cap.len();
+        report.faces_mut().light_cap_triangles += cap.len();
         add(Part::LightCap, &cap);
     }
     added
@@ -110,7 +115,7 @@ fn sides(block: Block, volume: &ShadowVolume, light: LightPosition) -> Vec<[u32;
 }
 
 /// A fan about the axis is narrow when the light is at least this many radii from the middle: within 57 degrees of the axis.
-const FAN_RADII: f64 = 1.2;
+pub(super) const FAN_RADII: f64 = 1.2;
 
 /// Closes the volume at infinity; the shape of the cap does not matter, only its border.
 ///

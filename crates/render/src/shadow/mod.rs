@@ -8,7 +8,7 @@
 //!   casters    vertices, uploaded once              emit       faces as indices
 //!   spheres    volumes of spheres, as vertices
 //!   pipelines  stencil states                       report     what was drawn and why
-//!   tally      counts and fill as numbers
+//!   tally      counts and fill as numbers            found      silhouettes found on the GPU
 //! ```
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
@@ -28,14 +28,16 @@ use web_time::Instant;
 use wgpu::util::DeviceExt as _;
 
 pub use casters::ShadowCasters;
-pub use options::{LightMark, Method, ShadowOptions};
+pub use found::{FoundShadows, ShadowSums};
+pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource};
 pub use pipelines::ShadowTarget;
-pub use report::{CasterReport, Fate, LightReport, Why};
+pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};
 pub(crate) use tally::{Tally, TallyKind};
 
 use crate::passes::{Layouts, uniform_group};
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, Look};
+use found::{DrawnWith, FoundDrawing};
 use pipelines::{MARK, Pipelines};
 use plan::{Batch, Draw, Plan, Seen, Source};
 
@@ -47,6 +49,16 @@ pub const LIT: u32 = MARK;
 pub struct Shadows {
     layouts: Layouts,
     pipelines: Pipelines,
+    target: OwnedTarget,
+    found: FoundDrawing,
+}
+
+/// A [`ShadowTarget`] that is kept.
+#[derive(Debug)]
+struct OwnedTarget {
+    depth_stencil_format: wgpu::TextureFormat,
+    samples: u32,
+    color_formats: Vec<Option<wgpu::TextureFormat>>,
 }
 
 /// What a camera sees of some casters: for all lights of a frame.
@@ -65,6 +77,8 @@ pub struct ShadowLight {
     short: Option<wgpu::Buffer>,
     long: Option<wgpu::Buffer>,
     loose: Option<wgpu::Buffer>,
+    /// Of silhouettes found on the GPU.
+    drawn_with: Option<DrawnWith>,
     /// What is drawn and why.
     pub report: LightReport,
 }
@@ -77,8 +91,13 @@ impl ShadowLight {
 
     /// What the stencil must be cleared to before the light is marked, unless receivers are marked one by one.
     pub(crate) fn clear_value(&self) -> u32 {
-        let is_marked_later = self.mark.is_some() || self.plan.mark_kind == LightMark::Receivers;
+        let is_marked_later = self.has_mark() || self.plan.mark_kind == LightMark::Receivers;
         if is_marked_later { 0 } else { LIT }
+    }
+
+    /// Whether the light's reach is marked as a body.
+    fn has_mark(&self) -> bool {
+        !self.plan.mark.is_empty()
     }
 
     /// Whether the surfaces that the light would brighten are to be marked before counting.
@@ -97,7 +116,22 @@ impl Shadows {
     pub fn new(gpu: &Gpu, target: &ShadowTarget<'_>) -> Self {
         let layouts = Layouts::new(gpu);
         let pipelines = Pipelines::new(&gpu.device, &layouts, target);
-        Self { layouts, pipelines }
+        let target = OwnedTarget {
+            depth_stencil_format: target.depth_stencil_format,
+            samples: target.samples,
+            color_formats: target.color_formats.to_vec(),
+        };
+        Self { layouts, pipelines, target, found: FoundDrawing::default() }
+    }
+
+    fn target(&self) -> ShadowTarget<'_> {
+        let OwnedTarget { depth_stencil_format, samples, color_formats } = &self.target;
+        ShadowTarget { depth_stencil_format: *depth_stencil_format, samples: *samples, color_formats }
+    }
+
+    /// Samples of each pixel of the passes.
+    pub(crate) fn samples(&self) -> u32 {
+        self.target.samples
     }
 
     /// Makes ready for `camera`, of the size of the pass.
@@ -165,6 +199,7 @@ impl Shadows {
             short: upload("short indices", bytemuck::cast_slice(&plan.indices.short), wgpu::BufferUsages::INDEX)?,
             long: upload("long indices", bytemuck::cast_slice(&plan.indices.long), wgpu::BufferUsages::INDEX)?,
             loose: upload("sphere volumes", bytemuck::cast_slice(&plan.loose), wgpu::BufferUsages::VERTEX)?,
+            drawn_with: None,
             plan,
             report,
         })
@@ -181,7 +216,7 @@ impl Shadows {
         view: &ShadowView,
         light: &ShadowLight,
     ) {
-        self.reset(pass, view, light, if light.mark.is_none() { LIT } else { 0 });
+        self.reset(pass, view, light, if light.has_mark() { 0 } else { LIT });
         self.draw_reach(pass, view, light);
         self.draw_counts(pass, casters, view, light);
     }
@@ -199,7 +234,9 @@ impl Shadows {
 
     /// Marks the light's reach where the stencil is 0, if the options ask for it and it ends anywhere.
     pub(crate) fn draw_reach(&self, pass: &mut wgpu::RenderPass<'_>, view: &ShadowView, light: &ShadowLight) {
-        let (Some(rect), Some(mark)) = (light.plan.rect, &light.mark) else { return };
+        let (Some(rect), Some(mark)) = (light.plan.rect, light.mark.as_ref().filter(|_| light.has_mark())) else {
+            return;
+        };
         self.bind(pass, view, light);
         set_scissor(pass, rect);
         pass.set_stencil_reference(MARK);
@@ -221,10 +258,10 @@ impl Shadows {
     ) {
         let Some(rect) = light.plan.rect else { return };
         self.bind(pass, view, light);
-        pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             self.start(pass, batch, rect);
             draw_batch(pass, batch, casters, light, |part| self.pipelines.counting(part));
+            self.draw_found(pass, light, &light.plan.found[batch.found.clone()]);
             if i + 1 < light.plan.batches.len() {
                 self.fold(pass, rect);
             }

@@ -32,12 +32,29 @@ pub enum LightMark {
     Receivers,
 }
 
+/// Where silhouettes are found: which triangles face a light, which edges are between, and how each caster is counted.
+///
+/// All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SilhouetteSource {
+    /// On the CPU, in `f64`, light by light; indices are uploaded in each frame.
+    #[default]
+    Cpu,
+    /// By compute shaders, all lights of a frame at once; nothing of a triangle is on the CPU, and nothing is read back.
+    /// [`Method::EyeCount`] counts as [`Method::Auto`] does. Needs [`crate::Tier::Full`].
+    Gpu,
+    /// By what WebGL2 has.
+    GpuBasic,
+}
+
 /// What is left out because it can't change a pixel, each with a switch so that its worth can be measured and its correctness
 /// tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShadowOptions {
     /// How volumes are counted.
     pub method: Method,
+    /// Where silhouettes are found.
+    pub silhouettes: SilhouetteSource,
     /// A light whose reach is out of the view draws nothing.
     pub cull_lights: bool,
     /// A caster outside the light's reach or cone draws nothing.
@@ -58,6 +75,7 @@ impl Default for ShadowOptions {
     fn default() -> Self {
         Self {
             method: Method::Auto,
+            silhouettes: SilhouetteSource::Cpu,
             cull_lights: true,
             cull_unreached: true,
             cull_unseen: true,
@@ -80,6 +98,7 @@ impl ShadowOptions {
     pub fn without_culling(method: Method) -> Self {
         Self {
             method,
+            silhouettes: SilhouetteSource::Cpu,
             cull_lights: false,
             cull_unreached: false,
             cull_unseen: false,
@@ -91,7 +110,7 @@ impl ShadowOptions {
     }
 
     /// These options with one rule off at a time, or another kind of mark, by name; and last with all off.
-    pub fn each_rule_off(self) -> impl Iterator<Item = (&'static str, Self)> {
+    pub fn each_rule_off(self) -> impl Iterator<Item = (&'static str, Self)> + Clone {
         [
             ("lights are not culled", Self { cull_lights: false, ..self }),
             ("casters out of reach are not culled", Self { cull_unreached: false, ..self }),
@@ -102,7 +121,7 @@ impl ShadowOptions {
             ("no light mark", Self { light_mark: LightMark::Off, ..self }),
             ("receivers marked", Self { light_mark: LightMark::Receivers, ..self }),
             ("selecting light mark", Self { light_mark: LightMark::Select, ..self }),
-            ("nothing is left out", Self::without_culling(self.method)),
+            ("nothing is left out", Self { silhouettes: self.silhouettes, ..Self::without_culling(self.method) }),
         ]
         .into_iter()
     }

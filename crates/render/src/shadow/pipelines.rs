@@ -54,21 +54,15 @@ pub(crate) struct Kind<'a> {
 
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, target: &ShadowTarget<'_>) -> Self {
-        use wgpu::CompareFunction::{Always, Equal, Greater, Never, NotEqual};
-        use wgpu::StencilOperation::{DecrementWrap, IncrementWrap, Invert, Keep, Replace, Zero};
+        use wgpu::CompareFunction::{Always, Equal, Greater};
+        use wgpu::StencilOperation::{Invert, Keep, Replace, Zero};
         let module = shaders::volume(device);
-        let make = |kind: Kind<'_>| pipeline(device, &module, layouts, target, &kind);
+        let make = |kind: Kind<'_>| pipeline(device, &module, &layouts.view_and_light, target, &kind);
 
-        let everywhere = |label, compare, pass_op, [read_mask, write_mask]: [u32; 2]| {
-            let face = wgpu::StencilFaceState { compare, fail_op: Keep, depth_fail_op: Keep, pass_op };
-            make(Kind {
-                label,
-                entry_point: "vs_everywhere",
-                depth_compare: Always,
-                stencil: wgpu::StencilState { front: face, back: face, read_mask, write_mask },
-                front_face: wgpu::FrontFace::Ccw,
-                fragment: None,
-            })
+        let everywhere = |label, stencil| {
+            let entry_point = "vs_everywhere";
+            let front_face = wgpu::FrontFace::Ccw;
+            make(Kind { label, entry_point, depth_compare: Always, stencil, front_face, fragment: None })
         };
         let mark = |label, front, back| {
             let behind =
@@ -87,42 +81,21 @@ impl Pipelines {
                 fragment: None,
             })
         };
-        let counting = |label, depth_compare, front_face, [front_fail, front_pass, back_fail, back_pass]: [_; 4]| {
-            let face = |depth_fail_op, pass_op| wgpu::StencilFaceState {
-                compare: Equal,
-                fail_op: Keep,
-                depth_fail_op,
-                pass_op,
-            };
-            make(Kind {
-                label,
-                entry_point: "vs_volume",
-                depth_compare,
-                stencil: wgpu::StencilState {
-                    front: face(front_fail, front_pass),
-                    back: face(back_fail, back_pass),
-                    read_mask: MARK,
-                    write_mask: COUNT,
-                },
-                front_face,
-                fragment: None,
-            })
+        let counts = |label, part| {
+            let (depth_compare, stencil, front_face) = counting(part);
+            make(Kind { label, entry_point: "vs_volume", depth_compare, stencil, front_face, fragment: None })
         };
-        // Entering a volume in front of the surface adds one; so does leaving it behind the surface.
-        let in_front = [Keep, IncrementWrap, Keep, DecrementWrap];
-        let behind = [DecrementWrap, Keep, IncrementWrap, Keep];
-        let (as_is, turned) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
         Self {
-            reset: everywhere("shadows, reset", Always, Replace, [ALL, ALL]),
+            reset: everywhere("shadows, reset", one_sided(Always, Replace, [ALL, ALL])),
             mark_exact: mark("light mark, exact", Invert, Invert),
             mark_select: mark("light mark, select", Zero, Replace),
-            start: everywhere("shadows, start", Equal, Replace, [MARK, COUNT]),
-            fold: everywhere("shadows, fold", NotEqual, Zero, [ALL, ALL]),
-            pass: counting("volumes, z-pass", Greater, as_is, in_front),
-            fail: counting("volumes, z-fail", Greater, as_is, behind),
-            light_cap: counting("volumes, light caps", Never, as_is, behind),
-            pass_turned: counting("volumes, z-pass, turned", Greater, turned, in_front),
-            fail_turned: counting("volumes, z-fail, turned", Greater, turned, behind),
+            start: everywhere("shadows, start", one_sided(Equal, Replace, [MARK, COUNT])),
+            fold: everywhere("shadows, fold", fold_stencil()),
+            pass: counts("volumes, z-pass", Part::Pass),
+            fail: counts("volumes, z-fail", Part::Fail),
+            light_cap: counts("volumes, light caps", Part::LightCap),
+            pass_turned: counts("volumes, z-pass, turned", Part::PassTurned),
+            fail_turned: counts("volumes, z-fail, turned", Part::FailTurned),
         }
     }
 
@@ -138,10 +111,70 @@ impl Pipelines {
     }
 }
 
+/// How faces of `part` are counted in the stencil: by which comparison with depth, what they do, and which of them are in front.
+pub(crate) fn counting(part: Part) -> (wgpu::CompareFunction, wgpu::StencilState, wgpu::FrontFace) {
+    use wgpu::CompareFunction::{Equal, Greater, Never};
+    use wgpu::StencilOperation::{DecrementWrap, IncrementWrap, Keep};
+    // Entering a volume in front of the surface adds one; so does leaving it behind the surface.
+    let in_front = [Keep, IncrementWrap, Keep, DecrementWrap];
+    let behind = [DecrementWrap, Keep, IncrementWrap, Keep];
+    let (as_is, turned) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
+    let (depth_compare, [front_fail, front_pass, back_fail, back_pass], front_face) = match part {
+        Part::Pass => (Greater, in_front, as_is),
+        Part::Fail => (Greater, behind, as_is),
+        Part::LightCap => (Never, behind, as_is),
+        Part::PassTurned => (Greater, in_front, turned),
+        Part::FailTurned => (Greater, behind, turned),
+    };
+    let face =
+        |depth_fail_op, pass_op| wgpu::StencilFaceState { compare: Equal, fail_op: Keep, depth_fail_op, pass_op };
+    let stencil = wgpu::StencilState {
+        front: face(front_fail, front_pass),
+        back: face(back_fail, back_pass),
+        read_mask: MARK,
+        write_mask: COUNT,
+    };
+    (depth_compare, stencil, front_face)
+}
+
+/// How the same faces are counted by `fs_signed` in a float target: what z-fail counts fails the comparison of [`counting`], and so passes its complement.
+pub(crate) fn summing(part: Part) -> (wgpu::CompareFunction, wgpu::FrontFace, wgpu::BlendOperation) {
+    use wgpu::BlendOperation::{Add, ReverseSubtract};
+    use wgpu::CompareFunction::{Always, Greater, LessEqual};
+    let (as_is, turned) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
+    match part {
+        Part::Pass => (Greater, as_is, Add),
+        Part::Fail => (LessEqual, as_is, ReverseSubtract),
+        Part::LightCap => (Always, as_is, ReverseSubtract),
+        Part::PassTurned => (Greater, turned, Add),
+        Part::FailTurned => (LessEqual, turned, ReverseSubtract),
+    }
+}
+
+/// What takes the mark away, and the count with it, where there is one.
+pub(crate) fn fold_stencil() -> wgpu::StencilState {
+    one_sided(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Zero, [ALL, ALL])
+}
+
+/// What takes the mark away, and the count with it.
+pub(crate) fn clear_stencil() -> wgpu::StencilState {
+    one_sided(wgpu::CompareFunction::Always, wgpu::StencilOperation::Zero, [ALL, ALL])
+}
+
+fn one_sided(
+    compare: wgpu::CompareFunction,
+    pass_op: wgpu::StencilOperation,
+    [read_mask, write_mask]: [u32; 2],
+) -> wgpu::StencilState {
+    let keep = wgpu::StencilOperation::Keep;
+    let face = wgpu::StencilFaceState { compare, fail_op: keep, depth_fail_op: keep, pass_op };
+    wgpu::StencilState { front: face, back: face, read_mask, write_mask }
+}
+
 pub(crate) fn pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
-    layouts: &Layouts,
+    layout: &wgpu::PipelineLayout,
     target: &ShadowTarget<'_>,
     kind: &Kind<'_>,
 ) -> wgpu::RenderPipeline {
@@ -159,7 +192,7 @@ pub(crate) fn pipeline(
     let buffers = [Some(VOLUME_VERTEX_LAYOUT)];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(kind.label),
-        layout: Some(&layouts.view_and_light),
+        layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
             entry_point: Some(kind.entry_point),

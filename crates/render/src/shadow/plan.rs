@@ -10,6 +10,8 @@
 //! the eye. The batches are ours: the papers let an 8-bit stencil wrap. Any part of a chain casts a volume that is closed and counts no less
 //! than 0, so that a point is lit exactly where every part counts 0, however a caster is split.
 
+use std::sync::OnceLock;
+
 use umbrae_core::{
     Bounds, Camera, Case, CaseChooser, Caster, Chain, Counting, Culler, Light, LightPosition, PixelRect, Reach,
     ShadowVolume, Sphere, Windings, most_overlaps, split_chain,
@@ -17,6 +19,7 @@ use umbrae_core::{
 
 use super::casters::{Block, ShadowCasters, VolumeVertex};
 use super::emit::{Indices, Part, emit};
+use super::found::FoundDraw;
 use super::options::{LightMark, Method, ShadowOptions};
 use super::report::{CasterReport, Fate, Why};
 use super::spheres::{is_shut_in, rounded_to_f32};
@@ -29,7 +32,8 @@ pub(super) const MOST_OVERLAPS: u32 = 127;
 pub(crate) struct Seen {
     pub(crate) camera: Camera,
     bounds: Bounds,
-    windings: Vec<Windings>,
+    /// Of all casters; found when first asked for.
+    windings: OnceLock<Vec<Windings>>,
     /// As the shaders see them.
     pub(super) spheres: Vec<Sphere>,
 }
@@ -38,12 +42,13 @@ impl Seen {
     pub(crate) fn new(camera: &Camera, casters: &[Caster], spheres: &[Sphere]) -> Self {
         let spheres: Vec<Sphere> = spheres.iter().map(rounded_to_f32).collect();
         let bounds = spheres.iter().fold(Caster::bounds_of(casters), |bounds, sphere| bounds.union(sphere.bounds()));
-        Self {
-            camera: *camera,
-            bounds,
-            spheres,
-            windings: casters.iter().map(|caster| Windings::of_near_rectangle(caster, camera)).collect(),
-        }
+        Self { camera: *camera, bounds, spheres, windings: OnceLock::new() }
+    }
+
+    /// Of `casters`, which must be those that this was made for.
+    fn windings(&self, casters: &[Caster]) -> &[Windings] {
+        let of = |caster| Windings::of_near_rectangle(caster, &self.camera);
+        self.windings.get_or_init(|| casters.iter().map(of).collect())
     }
 }
 
@@ -57,11 +62,23 @@ pub(crate) struct Plan {
     pub(crate) mark: Vec<VolumeVertex>,
     pub(crate) mark_kind: LightMark,
     pub(crate) batches: Vec<Batch>,
+    /// What batches draw besides, of silhouettes found on the GPU.
+    pub(crate) found: Vec<FoundDraw>,
+    /// Draws of casters that may overlap themselves more often than the stencil counts: added up in a float target.
+    pub(crate) summed: Vec<FoundDraw>,
     pub(crate) indices: Indices,
     /// The faces of spheres' volumes, three vertices each.
     pub(crate) loose: Vec<VolumeVertex>,
     pub(crate) casters: Vec<CasterReport>,
     pub(crate) spheres: Vec<CasterReport>,
+}
+
+/// What tells, for one light, what matters.
+pub(super) struct Scope {
+    pub(super) culler: Culler,
+    pub(super) chooser: CaseChooser,
+    /// Where the light may change a pixel.
+    pub(super) rect: PixelRect,
 }
 
 /// Volumes that overlap at most [`MOST_OVERLAPS`] times.
@@ -71,6 +88,8 @@ pub(crate) struct Batch {
     pub(crate) start: u32,
     /// Ordered by part, so that pipelines change seldom.
     pub(crate) draws: Vec<Draw>,
+    /// Of [`Plan::found`].
+    pub(crate) found: std::ops::Range<usize>,
     overlaps: u32,
 }
 
@@ -108,54 +127,92 @@ impl Plan {
         light: &Light,
         options: &ShadowOptions,
     ) -> Self {
-        let culler = Culler::new(&seen.camera, light, &seen.bounds);
-        let whole = PixelRect::whole(seen.camera.size_px());
-        let light_rect = if options.light_scissor { culler.light_rect() } else { whole };
-        let is_seen = !options.cull_lights || culler.light_may_show();
-        let is_shut_in = is_shut_in(light.position, &seen.spheres, &seen.camera);
-        let mut plan = Self {
-            rect: light_rect.filter(|_| is_seen && !is_shut_in),
-            mark: Vec::new(),
-            mark_kind: options.light_mark,
-            batches: Vec::new(),
-            indices: Indices::default(),
-            loose: Vec::new(),
-            casters: Vec::with_capacity(casters.len()),
-            spheres: Vec::with_capacity(seen.spheres.len()),
-        };
-        let Some(rect) = plan.rect else {
-            plan.casters = casters.iter().map(|caster| CasterReport::of_fate(unseen_light(caster))).collect();
-            plan.spheres = seen.spheres.iter().map(|_| CasterReport::of_fate(Fate::LightUnseen)).collect();
-            return plan;
-        };
-        if matches!(options.light_mark, LightMark::Exact | LightMark::Select)
-            && let Some(reach) = Reach::of(light)
-        {
-            plan.mark = reach.faces().iter().flatten().map(|v| volume_vertex(*v)).collect();
-        }
-        let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
-        for ((caster, windings), &block) in casters.iter().zip(&seen.windings).zip(&uploaded.blocks) {
-            let report = match casting_rect(caster, &culler, options, rect) {
+        let mut plan = Self::empty(options);
+        let Some(scope) = plan.start(casters, seen, light, options) else { return plan };
+        let (culler, chooser, rect) = (&scope.culler, &scope.chooser, scope.rect);
+        for ((caster, windings), &block) in casters.iter().zip(seen.windings(casters)).zip(&uploaded.blocks) {
+            let report = match casting_rect(caster, culler, options, rect) {
                 Err(fate) => CasterReport::of_fate(fate),
                 Ok(rect) => {
-                    let planner = CasterPlanner { caster, windings, block, culler: &culler, chooser: &chooser, rect };
+                    let planner = CasterPlanner { caster, windings, block, culler, chooser, rect };
                     planner.add_to(&mut plan, light.position, options)
                 }
             };
             plan.casters.push(report);
         }
-        plan.add_spheres(seen, light.position, (&culler, &chooser), options, rect);
-        for batch in &mut plan.batches {
-            batch.draws.sort_by_key(|draw| (draw.part, draw.source));
-        }
+        plan.add_spheres(seen, light.position, (culler, chooser), options, rect);
+        plan.sort();
         plan
+    }
+
+    /// Nothing.
+    pub(super) fn empty(options: &ShadowOptions) -> Self {
+        Self {
+            rect: None,
+            mark: Vec::new(),
+            mark_kind: options.light_mark,
+            batches: Vec::new(),
+            found: Vec::new(),
+            summed: Vec::new(),
+            indices: Indices::default(),
+            loose: Vec::new(),
+            casters: Vec::new(),
+            spheres: Vec::new(),
+        }
+    }
+
+    /// Starts over for `light`, in the memory that there is. `None` where it draws nothing, which is told of all casters then.
+    pub(super) fn start(
+        &mut self,
+        casters: &[Caster],
+        seen: &Seen,
+        light: &Light,
+        options: &ShadowOptions,
+    ) -> Option<Scope> {
+        let culler = Culler::new(&seen.camera, light, &seen.bounds);
+        let whole = PixelRect::whole(seen.camera.size_px());
+        let light_rect = if options.light_scissor { culler.light_rect() } else { whole };
+        let is_seen = !options.cull_lights || culler.light_may_show();
+        let is_shut_in = is_shut_in(light.position, &seen.spheres, &seen.camera);
+        self.rect = light_rect.filter(|_| is_seen && !is_shut_in);
+        self.mark_kind = options.light_mark;
+        self.mark.clear();
+        self.batches.clear();
+        self.found.clear();
+        self.summed.clear();
+        self.indices.clear();
+        self.loose.clear();
+        self.casters.clear();
+        self.spheres.clear();
+        let Some(rect) = self.rect else {
+            self.casters.extend(casters.iter().map(|caster| CasterReport::of_fate(unseen_light(caster))));
+            self.spheres.extend(seen.spheres.iter().map(|_| CasterReport::of_fate(Fate::LightUnseen)));
+            return None;
+        };
+        if matches!(options.light_mark, LightMark::Exact | LightMark::Select)
+            && let Some(reach) = Reach::of(light)
+        {
+            self.mark.extend(reach.faces().iter().flatten().map(|v| volume_vertex(*v)));
+        }
+        let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
+        Some(Scope { culler, chooser, rect })
+    }
+
+    /// Puts what is drawn in the order in which the least state changes.
+    pub(super) fn sort(&mut self) {
+        for batch in &mut self.batches {
+            batch.draws.sort_by_key(|draw| (draw.part, draw.source));
+            self.found[batch.found.clone()].sort_unstable_by_key(FoundDraw::order);
+        }
+        self.summed.sort_unstable_by_key(FoundDraw::order);
     }
 
     /// A batch with room for volumes that overlap so many times, which is made if need be.
     pub(super) fn batch_for(&mut self, overlaps: u32) -> &mut Batch {
         let has_room = self.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS);
         if !has_room {
-            self.batches.push(Batch::default());
+            let end = self.found.len();
+            self.batches.push(Batch { found: end..end, ..Batch::default() });
         }
         let batch = self.batches.last_mut().expect("one was pushed if there was none");
         batch.overlaps += overlaps;
@@ -167,7 +224,7 @@ fn unseen_light(caster: &Caster) -> Fate {
     if caster.role.casts { Fate::LightUnseen } else { Fate::NotCasting }
 }
 
-fn casting_rect(
+pub(super) fn casting_rect(
     caster: &Caster,
     culler: &Culler,
     options: &ShadowOptions,
@@ -221,8 +278,8 @@ impl CasterPlanner<'_> {
         let volume = ShadowVolume::new(caster, &chain);
         let mut report = CasterReport::of_fate(Fate::Unseen);
         report.rect = Some(self.rect);
-        report.silhouette_edges = volume.silhouette_edges;
-        report.chain_triangles = volume.light_cap.len();
+        report.faces_mut().silhouette_edges = volume.silhouette_edges;
+        report.faces_mut().chain_triangles = volume.light_cap.len();
         report.index_bytes = if self.block.is_short() { size_of::<u16>() } else { size_of::<u32>() };
         let asked = self.case(options);
         let overlaps = most_overlaps(caster, &volume, light);

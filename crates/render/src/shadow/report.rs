@@ -7,6 +7,39 @@ use umbrae_core::{Case, PixelRect};
 pub struct CasterReport {
     /// Drawn, or why not.
     pub fate: Fate,
+    /// What its volume is made of; `None` where only the GPU knows ([`crate::SilhouetteSource`]).
+    pub faces: Option<FaceCounts>,
+    /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
+    pub parts: usize,
+    /// Bytes of an index: 2 or 4. A triangle moves three. 0 where silhouettes are found on the GPU, which needs none.
+    pub index_bytes: usize,
+    /// Pixels into which its volume was drawn; `None` if it was not.
+    pub rect: Option<PixelRect>,
+}
+
+impl CasterReport {
+    pub(crate) fn of_fate(fate: Fate) -> Self {
+        Self { fate, faces: Some(FaceCounts::default()), parts: 0, index_bytes: 0, rect: None }
+    }
+
+    /// Drawn, with faces that only the GPU knows.
+    pub(crate) fn of_found(fate: Fate) -> Self {
+        Self { faces: None, parts: 1, ..Self::of_fate(fate) }
+    }
+
+    pub(crate) fn faces_mut(&mut self) -> &mut FaceCounts {
+        self.faces.get_or_insert_default()
+    }
+
+    /// Its case if it was drawn and the CPU knows.
+    pub fn case(&self) -> Option<Case> {
+        if let Fate::Drawn { case, .. } = self.fate { Some(case) } else { None }
+    }
+}
+
+/// How many faces a volume has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FaceCounts {
     /// Different edges on the chain's boundary.
     pub silhouette_edges: usize,
     /// Triangles drawn for the sides.
@@ -17,33 +50,6 @@ pub struct CasterReport {
     pub light_cap_triangles: usize,
     /// Triangles of the chain, multiplicities counted: what a light cap and a dark cap have each when nothing is left out.
     pub chain_triangles: usize,
-    /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
-    pub parts: usize,
-    /// Bytes of an index: 2 or 4. A triangle moves three.
-    pub index_bytes: usize,
-    /// Pixels into which its volume was drawn; `None` if it was not.
-    pub rect: Option<PixelRect>,
-}
-
-impl CasterReport {
-    pub(crate) fn of_fate(fate: Fate) -> Self {
-        Self {
-            fate,
-            silhouette_edges: 0,
-            side_triangles: 0,
-            dark_cap_triangles: 0,
-            light_cap_triangles: 0,
-            chain_triangles: 0,
-            parts: 0,
-            index_bytes: 0,
-            rect: None,
-        }
-    }
-
-    /// Its case if it was drawn.
-    pub fn case(&self) -> Option<Case> {
-        if let Fate::Drawn { case, .. } = self.fate { Some(case) } else { None }
-    }
 }
 
 /// Whether a caster was drawn.
@@ -64,6 +70,8 @@ pub enum Fate {
         /// What decided it.
         why: Why,
     },
+    /// Its volume was drawn, by z-pass or z-fail as the GPU decided.
+    DrawnAsFound,
 }
 
 /// Why a caster is in its case.

@@ -73,18 +73,18 @@ impl Plan {
             (Method::Auto | Method::EyeCount, _) => (zfail, Why::NearRectangleMayBeShaded),
         };
         let mut report = CasterReport::of_fate(Fate::Drawn { case, why });
-        report.silhouette_edges = volume.ring().len();
-        report.chain_triangles = volume.light_cap().count();
+        report.faces_mut().silhouette_edges = volume.ring().len();
+        report.faces_mut().chain_triangles = volume.light_cap().count();
         report.parts = 1;
         report.rect = Some(rect);
 
         let first = self.loose.len() as u32;
-        report.side_triangles = self.add_faces(volume.sides());
+        report.faces_mut().side_triangles = self.add_faces(volume.sides());
         if shows_light_cap {
-            report.light_cap_triangles = self.add_faces(volume.light_cap());
+            report.faces_mut().light_cap_triangles = self.add_faces(volume.light_cap());
         }
         if shows_dark_cap && case != Case::Pass {
-            report.dark_cap_triangles = self.add_faces(volume.dark_cap());
+            report.faces_mut().dark_cap_triangles = self.add_faces(volume.dark_cap());
         }
         let elements = first..self.loose.len() as u32;
         let part = if case == Case::Pass { Part::Pass } else { Part::Fail };

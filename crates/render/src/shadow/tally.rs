@@ -4,7 +4,7 @@
 
 use super::casters::ShadowCasters;
 use super::emit::Part;
-use super::pipelines::{Kind, MARK, ShadowTarget, pipeline};
+use super::pipelines::{Kind, MARK, ShadowTarget, pipeline, summing};
 use super::{ShadowLight, ShadowView, Shadows, draw_batch, set_scissor};
 use crate::{Gpu, shaders};
 
@@ -34,8 +34,8 @@ pub(crate) struct Tally {
 
 impl Tally {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        use wgpu::BlendOperation::{Add, ReverseSubtract};
-        use wgpu::CompareFunction::{Always, Equal, Greater, LessEqual};
+        use wgpu::BlendOperation::Add;
+        use wgpu::CompareFunction::{Always, Equal};
         let format = gpu.caps.tally_format;
         let target = ShadowTarget {
             depth_stencil_format: gpu.caps.depth_stencil_format,
@@ -54,21 +54,21 @@ impl Tally {
                 front_face,
                 fragment: Some(fragment),
             };
-            pipeline(&gpu.device, &module, &shadows.layouts, &target, &kind)
+            pipeline(&gpu.device, &module, &shadows.layouts.view_and_light, &target, &kind)
         };
-        let (as_is, turned) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
-        let signed = |label, depth_compare, front_face, operation| {
+        let signed = |label, part| {
+            let (depth_compare, front_face, operation) = summing(part);
             make(label, "vs_volume", depth_compare, front_face, Always, ("fs_signed", operation))
         };
         let one = |label, entry_point, stencil_compare| {
-            make(label, entry_point, Always, as_is, stencil_compare, ("fs_one", Add))
+            make(label, entry_point, Always, wgpu::FrontFace::Ccw, stencil_compare, ("fs_one", Add))
         };
         Self {
-            pass: signed("counts, z-pass", Greater, as_is, Add),
-            fail: signed("counts, z-fail", LessEqual, as_is, ReverseSubtract),
-            light_cap: signed("counts, light caps", Always, as_is, ReverseSubtract),
-            pass_turned: signed("counts, z-pass, turned", Greater, turned, Add),
-            fail_turned: signed("counts, z-fail, turned", LessEqual, turned, ReverseSubtract),
+            pass: signed("counts, z-pass", Part::Pass),
+            fail: signed("counts, z-fail", Part::Fail),
+            light_cap: signed("counts, light caps", Part::LightCap),
+            pass_turned: signed("counts, z-pass, turned", Part::PassTurned),
+            fail_turned: signed("counts, z-fail, turned", Part::FailTurned),
             fill: one("fill", "vs_volume", Equal),
             fill_of_mark: one("fill of the mark", "vs_volume", Always),
             fill_of_receivers: one("fill of the receivers", "vs_everywhere", Equal),
@@ -93,7 +93,6 @@ impl Tally {
         if kind == TallyKind::Fill {
             self.add_fill_of_mark(pass, light);
         }
-        pass.set_vertex_buffer(0, casters.vertices.slice(..));
         for (i, batch) in light.plan.batches.iter().enumerate() {
             if kind == TallyKind::Counts {
                 draw_batch(pass, batch, casters, light, |part| self.counting(part));
@@ -110,7 +109,7 @@ impl Tally {
     }
 
     fn add_fill_of_mark(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight) {
-        if let Some(mark) = &light.mark {
+        if let Some(mark) = light.mark.as_ref().filter(|_| light.has_mark()) {
             pass.set_pipeline(&self.fill_of_mark);
             pass.set_vertex_buffer(0, mark.slice(..));
             pass.draw(0..light.plan.mark.len() as u32, 0..1);

@@ -19,11 +19,130 @@
 //! |---|---|
 //! | `parts` | casters in parts that the stencil can count |
 //! | `tables` | triangles, edges and positions as textures |
-//! | `finder` | the two passes |
+//! | `pass` | the two passes |
 //! | `volumes` | what is drawn of the results |
 
-mod finder;
 mod parts;
+mod pass;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod volumes;
+
+use umbrae_core::{Camera, Caster, Light};
+
+use super::DrawnWith;
+use super::pipelines::DrawnFrom;
+use crate::shadow::ShadowCasters;
+use crate::shadow::options::ShadowOptions;
+use crate::shadow::plan::{Plan, Scope, Seen};
+use crate::timing::PassTimer;
+use crate::{Gpu, GpuError, shaders};
+use pass::{Batch, FindPass, MOST_LIGHTS};
+use tables::Tables;
+
+/// Everything that is kept from frame to frame.
+#[derive(Debug)]
+pub(super) struct BasicFinder {
+    pass: FindPass,
+    tables: Tables,
+    may_sum: bool,
+    /// [`ShadowCasters::moves`] when the tables were filled.
+    moves: u64,
+    batches: Vec<Batch>,
+    light_count: usize,
+}
+
+impl BasicFinder {
+    /// With `may_sum`, casters that the stencil can't count are added up in a float target.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] for more than 4 million triangles, edges or vertices on WebGL2.
+    pub(super) fn new(
+        gpu: &Gpu,
+        casters: &[Caster],
+        uploaded: &ShadowCasters,
+        may_sum: bool,
+    ) -> Result<Self, GpuError> {
+        let tables = Tables::new(gpu, casters, may_sum)?;
+        let pass = FindPass::new(gpu);
+        Ok(Self { pass, tables, may_sum, moves: uploaded.moves(), batches: Vec::new(), light_count: 0 })
+    }
+
+    /// Begins a frame: tells from boxes how components count for `lights`, rounded as shaders see them.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`].
+    pub(super) fn start(
+        &mut self,
+        gpu: &Gpu,
+        casters: &[Caster],
+        uploaded: &ShadowCasters,
+        camera: &Camera,
+        lights: &[Light],
+    ) -> Result<(), GpuError> {
+        if self.moves != uploaded.moves() {
+            self.moves = uploaded.moves();
+            if !self.tables.update(gpu, casters) {
+                self.tables = Tables::new(gpu, casters, self.may_sum)?;
+                self.batches.clear();
+            }
+        }
+        self.light_count = lights.len();
+        while self.batches.len() * MOST_LIGHTS < lights.len() {
+            self.batches.push(self.pass.batch(gpu, &self.tables)?);
+        }
+        for (batch, lights) in self.batches.iter_mut().zip(lights.chunks(MOST_LIGHTS)) {
+            batch.plan(&self.tables, camera, lights.iter().map(|light| light.position.rounded_to_f32()));
+            self.pass.make_lanes(gpu, &self.tables, batch)?;
+        }
+        Ok(())
+    }
+
+    /// Adds to `plan`, which was started for `light`, number `number` of the frame, what is drawn of its volumes.
+    pub(super) fn add_draws(
+        &self,
+        plan: &mut Plan,
+        scope: &Scope,
+        (casters, uploaded): (&[Caster], &ShadowCasters),
+        seen: &Seen,
+        (number, light): (u32, &Light),
+        options: &ShadowOptions,
+    ) {
+        let (batch, l) = self.place_of(number as usize);
+        let is_facing = |caster| batch.is_facing(&self.tables, caster, l);
+        let casters = (casters, uploaded, self.tables.casters.as_slice());
+        volumes::add(plan, scope, casters, seen, (number, light.position), is_facing, options);
+    }
+
+    pub(super) fn upload(&self, gpu: &Gpu) {
+        self.batches_in_use().iter().for_each(|batch| batch.upload(gpu));
+    }
+
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+        for batch in self.batches_in_use() {
+            self.pass.draw(encoder, &self.tables, batch, timer);
+        }
+    }
+
+    pub(super) fn drawn_with(&self, light: usize) -> DrawnWith {
+        let (batch, l) = self.place_of(light);
+        DrawnWith::Tables { group: batch.of_volumes(&self.tables, l).clone() }
+    }
+
+    fn place_of(&self, light: usize) -> (&Batch, usize) {
+        (&self.batches[light / MOST_LIGHTS], light % MOST_LIGHTS)
+    }
+
+    fn batches_in_use(&self) -> &[Batch] {
+        &self.batches[..self.light_count.div_ceil(MOST_LIGHTS)]
+    }
+}
+
+/// Calls `make` with what draws volumes of tables.
+pub(super) fn drawn_from<T>(gpu: &Gpu, make: impl FnOnce(DrawnFrom<'_>) -> T) -> T {
+    let module = shaders::found_basic_volume(&gpu.device);
+    make(DrawnFrom { module: &module, layout: &pass::volume_layout(gpu) })
+}

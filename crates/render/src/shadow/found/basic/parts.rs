@@ -31,6 +31,24 @@ pub(super) fn parts(caster: &Caster) -> Vec<Part> {
     parts
 }
 
+/// Whether `parts`, of `caster` before it moved, overlap themselves no more often than was found then.
+pub(super) fn still_holds(caster: &Caster, parts: &[Part]) -> bool {
+    // No triangle is in more than itself, wherever it is.
+    if parts.iter().all(|part| part.triangles.len() as u32 <= part.most_overlaps) {
+        return true;
+    }
+    let convex = convex_components(caster);
+    parts.iter().all(|part| most_overlaps(caster, &convex, &part.triangles) <= part.most_overlaps)
+}
+
+impl Part {
+    /// All triangles of `caster`.
+    pub(super) fn whole(caster: &Caster) -> Self {
+        let count = caster.mesh.triangles().len() as u32;
+        Self { triangles: (0..count).collect(), most_overlaps: count }
+    }
+}
+
 fn split(caster: &Caster, convex: &[bool], triangles: &mut [u32], parts: &mut Vec<Part>) {
     let most_overlaps = most_overlaps(caster, convex, triangles);
     if most_overlaps <= MOST_OVERLAPS {

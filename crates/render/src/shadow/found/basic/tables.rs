@@ -5,15 +5,18 @@ use std::ops::Range;
 use glam::Vec3;
 use umbrae_core::{Bounds, Camera, Caster, Counting, LightPosition};
 
-use super::parts::parts;
+use super::parts::{Part, parts, still_holds};
 use crate::{Gpu, GpuError};
 
 /// Entries in a row; `found_tables.wgsl` has its logarithm. No device has textures narrower.
-pub(super) const WIDTH: u32 = 2048;
+const WIDTH: u32 = 2048;
 
 /// What a texel holds. Integers, also where they are the bits of floats: every device can draw into these, WebGL2 not into floats.
 pub(super) type Entry = [u32; 4];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
+/// Parts have sides between them, and the stencil is folded after each: with more, a float target is less work, where there may be one.
+const MOST_PARTS: usize = 4;
 
 /// Entries in a texture, row by row.
 #[derive(Debug)]
@@ -125,6 +128,7 @@ pub(super) struct CasterTables {
     pub(super) positions: Range<u32>,
     pub(super) parts: Vec<PartTables>,
     pub(super) components: Range<usize>,
+    partition: Vec<Part>,
 }
 
 /// What decides how a component counts.
@@ -156,7 +160,6 @@ pub(super) struct Tables {
     pub(super) triangles: Table,
     pub(super) edges: Table,
     pub(super) incidences: Table,
-    pub(super) components: Table,
     pub(super) component_boxes: Vec<ComponentBox>,
     pub(super) casters: Vec<CasterTables>,
     pub(super) triangle_count: u32,
@@ -166,14 +169,15 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Uploads `casters`: 16 bytes for each vertex and triangle, and about 28 for each edge.
+    /// Uploads `casters`: 16 bytes for each vertex and triangle, and about 28 for each edge. With `may_sum`, casters that would be in more than
+    /// [`MOST_PARTS`] parts are in one.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] as for [`Table::new`].
-    pub(super) fn new(gpu: &Gpu, casters: &[Caster]) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, casters: &[Caster], may_sum: bool) -> Result<Self, GpuError> {
         let mut lists = Lists::default();
-        let ranges: Vec<CasterTables> = casters.iter().map(|caster| lists.add(caster)).collect();
+        let ranges: Vec<CasterTables> = casters.iter().map(|caster| lists.add(caster, may_sum)).collect();
         // Bits are wanted for both signs.
         let most = lists.edges.iter().map(|edge| edge[3]).max().unwrap_or(0);
         let lane_bits = [4, 8, 16].into_iter().find(|bits| most < 1 << (bits - 1)).unwrap_or(32);
@@ -183,7 +187,6 @@ impl Tables {
             triangles: Table::of(gpu, "caster triangles", &lists.triangles)?,
             edges: Table::of(gpu, "caster edges", &lists.edges)?,
             incidences: Table::of(gpu, "triangles on edges", &incidences)?,
-            components: Table::new(gpu, "caster components", lists.components)?,
             component_boxes: component_boxes(casters),
             casters: ranges,
             triangle_count: lists.triangles.len() as u32,
@@ -194,10 +197,12 @@ impl Tables {
         Ok(tables)
     }
 
-    /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of.
-    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster]) {
+    /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of. Whether what is known of them still
+    /// holds where they are now: else new tables are needed.
+    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster]) -> bool {
         self.component_boxes = component_boxes(casters);
         self.write_positions(gpu, casters);
+        casters.iter().zip(&self.casters).all(|(caster, tables)| still_holds(caster, &tables.partition))
     }
 
     fn write_positions(&self, gpu: &Gpu, casters: &[Caster]) {
@@ -223,7 +228,7 @@ struct Lists {
 }
 
 impl Lists {
-    fn add(&mut self, caster: &Caster) -> CasterTables {
+    fn add(&mut self, caster: &Caster, may_sum: bool) -> CasterTables {
         let topology = &caster.topology;
         let first_position = self.position_count + 1;
         self.position_count = first_position + caster.positions.len() as u32;
@@ -234,7 +239,10 @@ impl Lists {
             topology.components()[component].is_closed && !caster.role.is_see_through()
         };
 
-        let parts = parts(caster);
+        let mut parts = parts(caster);
+        if may_sum && parts.len() > MOST_PARTS {
+            parts = vec![Part::whole(caster)];
+        }
         // Of each triangle: its part, and its number in the table.
         let mut places = vec![(0, 0); caster.mesh.triangles().len()];
         let mut tables = Vec::with_capacity(parts.len());
@@ -277,7 +285,7 @@ impl Lists {
             self.incidences.extend(of_part.map(|(t, direction)| places[t].1 << 1 | u32::from(direction < 0)));
             self.edges.push([first_position + edge.low, first_position + edge.high, first_incidence, copies.every]);
         }
-        CasterTables { positions: first_position..self.position_count, parts: tables, components }
+        CasterTables { positions: first_position..self.position_count, parts: tables, components, partition: parts }
     }
 }
 
