@@ -58,6 +58,12 @@ pub enum GpuError {
         /// The adapter's label.
         adapter: String,
     },
+    /// A shader of the user's own is no good.
+    #[error("the function that moves vertices can't be used: {reason}")]
+    Shader {
+        /// What is wrong with it, and where.
+        reason: String,
+    },
     /// The device can't find silhouettes in the way that was asked for.
     #[error("{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU")]
     NoSilhouettes {

@@ -8,6 +8,7 @@
 //! matrices themselves, from rest to scene space, are composed in `f64`, so that large coordinates on the way cost nothing.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use bytemuck::Zeroable as _;
 use glam::{DAffine3, Vec3};
@@ -15,9 +16,10 @@ use rustc_hash::FxHashMap;
 use umbrae_core::{Bounds, Caster, Deformer, Mesh, Object};
 use wgpu::util::DeviceExt as _;
 
+use crate::displacement::{NOT_MOVED, widened};
 use crate::gpu_scene::middle;
 use crate::passes::{PoseBuffers, PosePass, PosedUniform};
-use crate::{Gpu, GpuError, GpuScene, Tier, readback};
+use crate::{Displacement, Gpu, GpuError, GpuScene, Tier, readback};
 
 /// Moves the objects of one scene on the GPU.
 ///
@@ -34,6 +36,8 @@ pub struct GpuPoser {
     glass: Vec<(usize, usize)>,
     /// What is in `now` and has been drawn with; empty at first.
     shown: Vec<f32>,
+    /// The time of what is shown, for a [`Displacement`].
+    time_s: f32,
 }
 
 /// An object, with what of its [`PosedUniform`] never changes.
@@ -65,6 +69,41 @@ impl GpuPoser {
     ///
     /// If there are not as many objects as casters.
     pub fn new(gpu: &Gpu, objects: &[Object], casters: &[Caster], scene: &GpuScene) -> Result<Self, GpuError> {
+        let nothing = Displacement { wgsl: NOT_MOVED, max_offset_m: 0.0, objects: &[] };
+        Self::with(gpu, objects, casters, scene, &nothing)
+    }
+
+    /// As [`GpuPoser::new`], with a function that moves vertices besides.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GpuPoser::new`], and [`GpuError::Shader`] when the function is no good.
+    ///
+    /// # Panics
+    ///
+    /// As [`GpuPoser::new`].
+    pub async fn displacing(
+        gpu: &Gpu,
+        objects: &[Object],
+        casters: &[Caster],
+        scene: &GpuScene,
+        displacement: &Displacement<'_>,
+    ) -> Result<Self, GpuError> {
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let poser = Self::with(gpu, objects, casters, scene, displacement);
+        match scope.pop().await {
+            Some(error) => Err(GpuError::Shader { reason: error.to_string() }),
+            None => poser,
+        }
+    }
+
+    fn with(
+        gpu: &Gpu,
+        objects: &[Object],
+        casters: &[Caster],
+        scene: &GpuScene,
+        displacement: &Displacement<'_>,
+    ) -> Result<Self, GpuError> {
         if gpu.caps.tier != Tier::Full {
             return Err(GpuError::NoCompute { adapter: gpu.label.clone() });
         }
@@ -77,8 +116,11 @@ impl GpuPoser {
         let mut place_starts = Vec::with_capacity(casters.len());
         let mut parts = Vec::with_capacity(objects.len());
         let mut now_len = 0;
-        for (object, block) in objects.iter().zip(&scene.shadow_casters.blocks) {
+        for (i, (object, block)) in objects.iter().zip(&scene.shadow_casters.blocks).enumerate() {
             let mut part = rest.part(object);
+            if displacement.objects.contains(&i) {
+                part.uniform.max_offset = displacement.max_offset_m as f32;
+            }
             place_starts.push(rest.words.len());
             part.uniform.places = rest.words.len() as u32;
             rest.words.resize(rest.words.len() + object.mesh.triangles().len(), 0);
@@ -116,11 +158,11 @@ impl GpuPoser {
         let now = buffer("weights and matrices", now_len as usize * size_of::<f32>(), wgpu::BufferUsages::STORAGE);
         let posed_size = parts.len() * PosePass::uniform_stride(gpu);
         let posed = buffer("posed objects", posed_size, wgpu::BufferUsages::UNIFORM);
-        let pass = PosePass::new(gpu);
+        let pass = PosePass::new(gpu, displacement.wgsl);
         let has_any = [&at_rest, &now, volume, surface].iter().all(|buffer| buffer.size() > 0);
         let buffers = PoseBuffers { posed: &posed, at_rest: &at_rest, now: &now, volume, surface };
         let group = has_any.then(|| pass.group(gpu, buffers));
-        gpu.unless_out_of_memory(Ok(Self { pass, group, posed, now, parts, glass, shown: Vec::new() }))
+        gpu.unless_out_of_memory(Ok(Self { pass, group, posed, now, parts, glass, shown: Vec::new(), time_s: 0.0 }))
     }
 
     /// Moves to where `objects` are all that is not there: in `scene`, and in `casters`. The first time that is all; so it is the GPU's
@@ -140,30 +182,9 @@ impl GpuPoser {
         objects: &[Object],
         casters: &mut [Caster],
     ) -> Result<(), GpuError> {
-        let counts = [objects.len(), casters.len()];
-        assert_eq!(counts, [self.parts.len(); 2], "the objects and casters are those that the poser was made for");
-        let Some(group) = &self.group else { return Ok(()) };
-        let stride = PosePass::uniform_stride(gpu);
-        let mut now = Vec::with_capacity(self.shown.len());
-        let mut uniforms = vec![0; self.parts.len() * stride];
-        for ((object, part), at) in objects.iter().zip(&self.parts).zip(uniforms.chunks_exact_mut(stride)) {
-            add_moment(&mut now, object, part);
-            let origin_world = object.world_from_object.translation.as_vec3().to_array();
-            let uniform = PosedUniform { origin_world, ..part.uniform };
-            at[..size_of::<PosedUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
-        }
-        let is_shown = |part: &Part| self.shown.get(part.range()).is_some_and(|shown| *shown == now[part.range()]);
-        let moved: Vec<usize> = (0..self.parts.len()).filter(|&i| !is_shown(&self.parts[i])).collect();
-        if moved.is_empty() {
-            return Ok(());
-        }
-        gpu.queue.write_buffer(&self.posed, 0, &uniforms);
-        gpu.queue.write_buffer(&self.now, 0, bytemuck::cast_slice(&now));
-
-        let counts = |i: usize| [self.parts[i].uniform.vertex_count, self.parts[i].uniform.triangle_count];
-        let objects_and_counts: Vec<(usize, [u32; 2])> = moved.iter().map(|&i| (i, counts(i))).collect();
+        let Some(moved) = self.stage(gpu, objects, casters, self.time_s) else { return Ok(()) };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("posing") });
-        self.pass.draw(gpu, &mut encoder, group, &objects_and_counts);
+        self.record(gpu, &mut encoder, &moved);
         let copy = self.copy_near(gpu, &mut encoder, scene, &moved);
         gpu.queue.submit([encoder.finish()]);
         let bytes = gpu.unless_out_of_memory(readback::buffer(gpu, &copy).await)?;
@@ -180,8 +201,90 @@ impl GpuPoser {
         for (glass, &(caster, triangle)) in scene.glass.iter_mut().zip(&self.glass) {
             glass.center = middle(casters[caster].corners(triangle));
         }
-        self.shown = now;
         Ok(())
+    }
+
+    /// Submits the moving of `scene` to where `objects` are at `time_s`, and reads nothing back: for silhouettes found on the GPU
+    /// ([`crate::SilhouetteSource`]), to which the CPU gives only boxes. Of `casters`, whatever else they say of where they are is from the CPU's own
+    /// posing, without a [`Displacement`], and must be asked for neither silhouettes nor rays. Linear in the vertices of what is posed anew; what is
+    /// only displaced costs the CPU nothing.
+    ///
+    /// # Panics
+    ///
+    /// As [`GpuPoser::pose`].
+    pub fn show(&mut self, gpu: &Gpu, scene: &mut GpuScene, objects: &[Object], casters: &mut [Caster], time_s: f32) {
+        let before = self.shown.clone();
+        let Some(moved) = self.stage(gpu, objects, casters, time_s) else { return };
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("posing") });
+        self.record(gpu, &mut encoder, &moved);
+        gpu.queue.submit([encoder.finish()]);
+        for i in moved {
+            let part = &self.parts[i];
+            scene.shadow_casters.has_moved[i].store(true, Ordering::Relaxed);
+            if before.get(part.range()) != self.shown.get(part.range()) {
+                let caster = &mut casters[i];
+                caster.pose_to(&objects[i]);
+                caster.bounds = widened(caster.bounds, &objects[i], part.uniform.max_offset.into());
+                scene.shadow_casters.update_middle(gpu, i, caster);
+            }
+        }
+        for (glass, &(caster, triangle)) in scene.glass.iter_mut().zip(&self.glass) {
+            glass.center = middle(casters[caster].corners(triangle));
+        }
+    }
+
+    /// Where the vertices of `scene` are now, object by object: for whoever must know, as a test must. Waits for the GPU.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub async fn positions(&self, gpu: &Gpu, scene: &GpuScene) -> Result<Vec<Vec<Vec3>>, GpuError> {
+        let all: Vec<usize> = (0..self.parts.len()).collect();
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read") });
+        let copy = self.copy_near(gpu, &mut encoder, scene, &all);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu.unless_out_of_memory(readback::buffer(gpu, &copy).await)?;
+        let mut vertices = bytes.chunks_exact(VERTEX_SIZE).map(bytemuck::pod_read_unaligned::<[f32; 4]>);
+        let of = |part: &Part| {
+            let own = vertices.by_ref().take(part.uniform.vertex_count as usize);
+            own.map(|[x, y, z, _]| Vec3::new(x, y, z)).collect()
+        };
+        Ok(self.parts.iter().map(of).collect())
+    }
+
+    /// Uploads the moment; the numbers of those objects that are not there, or `None` where all are.
+    fn stage(&mut self, gpu: &Gpu, objects: &[Object], casters: &[Caster], time_s: f32) -> Option<Vec<usize>> {
+        let counts = [objects.len(), casters.len()];
+        assert_eq!(counts, [self.parts.len(); 2], "the objects and casters are those that the poser was made for");
+        let stride = PosePass::uniform_stride(gpu);
+        let mut now = Vec::with_capacity(self.shown.len());
+        let mut uniforms = vec![0; self.parts.len() * stride];
+        for ((object, part), at) in objects.iter().zip(&self.parts).zip(uniforms.chunks_exact_mut(stride)) {
+            add_moment(&mut now, object, part);
+            let origin_world = object.world_from_object.translation.as_vec3().to_array();
+            let uniform = PosedUniform { origin_world, time_s, ..part.uniform };
+            at[..size_of::<PosedUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
+        }
+        let is_shown = |part: &Part| {
+            let is_same_time = part.uniform.max_offset == 0.0 || time_s == self.time_s;
+            is_same_time && self.shown.get(part.range()).is_some_and(|shown| *shown == now[part.range()])
+        };
+        let moved: Vec<usize> = (0..self.parts.len()).filter(|&i| !is_shown(&self.parts[i])).collect();
+        if moved.is_empty() || self.group.is_none() {
+            return None;
+        }
+        gpu.queue.write_buffer(&self.posed, 0, &uniforms);
+        gpu.queue.write_buffer(&self.now, 0, bytemuck::cast_slice(&now));
+        self.shown = now;
+        self.time_s = time_s;
+        Some(moved)
+    }
+
+    fn record(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, moved: &[usize]) {
+        let Some(group) = &self.group else { return };
+        let counts = |i: usize| [self.parts[i].uniform.vertex_count, self.parts[i].uniform.triangle_count];
+        let objects_and_counts: Vec<(usize, [u32; 2])> = moved.iter().map(|&i| (i, counts(i))).collect();
+        self.pass.draw(gpu, encoder, group, &objects_and_counts);
     }
 
     /// The near vertices of those that moved, one after the other.

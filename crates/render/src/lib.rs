@@ -6,6 +6,7 @@
 //! and a frame only borrows. Nothing here blocks, reads a file or knows a window; what waits is `async`.
 
 mod caps;
+mod displacement;
 pub mod frame;
 mod gpu;
 mod gpu_finishes;
@@ -28,6 +29,7 @@ mod uniforms;
 mod verify;
 
 pub use caps::{Caps, Tier};
+pub use displacement::Displacement;
 pub use gpu::{AdapterChoice, Gpu, GpuError, adapter_labels};
 pub use gpu_poser::GpuPoser;
 pub use gpu_scene::GpuScene;
@@ -36,8 +38,8 @@ pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
-    CasterReport, FaceCounts, Fate, FoundShadows, LIT, LightMark, LightReport, Method, ShadowCasters, ShadowLight,
-    ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
+    CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, LIT, LightMark, LightReport, Method, ShadowCasters,
+    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
 };
 pub use targets::{Output, Targets};
 pub use timing::PassTime;

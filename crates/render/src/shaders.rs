@@ -68,8 +68,9 @@ pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "overlay", &[VIEW, include_str!("shaders/overlay.wgsl")])
 }
 
-pub(crate) fn pose(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "pose", &[include_str!("shaders/pose.wgsl")])
+/// `moved` is the source of a function of that name: see [`crate::Displacement`].
+pub(crate) fn pose(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
+    module(device, "pose", &[include_str!("shaders/pose.wgsl"), moved])
 }
 
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {

@@ -141,15 +141,15 @@ impl OverlayUniform {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::mem::offset_of;
 
     use crate::gpu_finishes::FinishUniform;
-    use crate::passes::PosedUniform;
+    use crate::passes::{FindingUniform, FoundLightData, JobSlot, JobUniform, PosedUniform};
 
     /// Size of the WGSL struct `name`, and for each member its name and offset.
-    fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
+    pub(crate) fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
         let module = naga::front::wgsl::parse_str(source).expect("valid WGSL");
         module
             .types
@@ -189,7 +189,7 @@ mod tests {
     fn what_is_posed_has_the_same_bytes_in_rust_and_wgsl() {
         assert_same_layout!(
             PosedUniform,
-            include_str!("shaders/pose.wgsl"),
+            &[include_str!("shaders/pose.wgsl"), crate::displacement::NOT_MOVED].concat(),
             "Posed",
             [
                 vertex_count,
@@ -207,11 +207,51 @@ mod tests {
                 origin_world,
                 morph_count,
                 has_skin,
-                unused_a,
-                unused_b,
-                unused_c,
+                time_s,
+                max_offset,
+                unused,
             ]
         );
+    }
+
+    #[test]
+    fn what_silhouettes_are_found_with_has_the_same_bytes_in_rust_and_wgsl() {
+        let source = concat!(include_str!("shaders/job.wgsl"), include_str!("shaders/find.wgsl"));
+        assert_same_layout!(
+            FindingUniform,
+            source,
+            "Finding",
+            [
+                light_count,
+                words,
+                job_count,
+                triangle_blocks,
+                triangle_block_count,
+                edge_blocks,
+                edge_block_count,
+                unused,
+                near_min,
+                near_max,
+                near_corners,
+            ]
+        );
+        assert_same_layout!(
+            FoundLightData,
+            source,
+            "FoundLight",
+            [position_world, plane_count, unused_a, unused_b, unused_c, planes]
+        );
+        assert_same_layout!(
+            JobUniform,
+            source,
+            "Job",
+            [near, far, axes, edges, triangles, sides, caps, flags, box_min, edge_on, box_max, slack]
+        );
+        assert_same_layout!(JobSlot, source, "JobSlot", [job, unused]);
+        assert_eq!(size_of::<JobSlot>(), 256, "the largest offset that a device may ask for");
+        let (span, members) = wgsl_layout(source, "Result");
+        assert_eq!(span as u64, crate::shadow::RESULT_BYTES);
+        assert_eq!(members.last(), Some(&("arguments".to_owned(), 16)));
     }
 
     #[test]

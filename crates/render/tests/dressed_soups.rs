@@ -15,7 +15,7 @@ use umbrae_core::{
     AlphaMode, Camera, Caster, Cone, Light, LightPosition, Material, Mesh, Object, Oracle, Role, Scene, Surface,
     Texture, Verdict, Wrap,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare};
 
 const SOUPS: u32 = 20;
 const SIZE_PX: [u32; 2] = [160, 120];
@@ -158,8 +158,10 @@ fn every_decided_pixel_is_right_among_glass_and_cut_outs_under_lights_that_end()
         let lights = lights(&mut random);
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for method in [Method::Auto, Method::ZFail] {
-                let shadows = ShadowOptions::from(method);
+            let methods = [Method::Auto, Method::ZFail].map(ShadowOptions::from);
+            let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+            let by_source = |silhouettes| methods.map(|options| ShadowOptions { silhouettes, ..options });
+            for shadows in sources.into_iter().flat_map(by_source) {
                 let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);
@@ -168,7 +170,7 @@ fn every_decided_pixel_is_right_among_glass_and_cut_outs_under_lights_that_end()
                 lit += judgements.iter().filter(|j| j.verdict == Some(Verdict::Lit)).count();
                 let [width, _] = SIZE_PX;
                 let errors: Vec<_> = comparison.errors.iter().map(|&i| [i as u32 % width, i as u32 / width]).collect();
-                assert!(errors.is_empty(), "soup {number}, {light:?}, {method:?}: wrong at {errors:?}");
+                assert!(errors.is_empty(), "soup {number}, {light:?}, {shadows:?}: wrong at {errors:?}");
             }
         }
     }

@@ -16,7 +16,9 @@ use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
     Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, Verdict, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+};
 
 const LAMP: DVec3 = DVec3::new(0.0, 0.0, 10.0);
 /// Of the shadow on the floor: half its side.
@@ -106,6 +108,15 @@ fn renderer(samples: u32) -> Renderer {
     Renderer::new(gpu, samples)
 }
 
+/// Each method, and z-pass or z-fail wherever silhouettes are found.
+fn options() -> impl Iterator<Item = ShadowOptions> {
+    let of_cpu = [Method::Auto, Method::ZFail, Method::EyeCount].map(ShadowOptions::from);
+    let found = [SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+    let found = found.map(|silhouettes| of_cpu.map(|options| ShadowOptions { silhouettes, ..options }));
+    let found = found.into_iter().flatten().filter(|options| options.method != Method::EyeCount);
+    of_cpu.into_iter().chain(found)
+}
+
 #[test]
 fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
     let renderer = renderer(1);
@@ -116,8 +127,7 @@ fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
         let oracle = Oracle::new(&casters);
         for (i, camera) in cameras().iter().enumerate() {
             let judged = oracle.judge(camera, &[lamp()], || ()).remove(0);
-            for method in [Method::Auto, Method::ZFail, Method::EyeCount] {
-                let shadows = ShadowOptions::from(method);
+            for shadows in options() {
                 let shot = Shot {
                     scene: &gpu_scene,
                     casters: &casters,
@@ -129,7 +139,8 @@ fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
                     spheres: &[],
                 };
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp())).unwrap().verdicts;
-                let what = format!("{count} sheets, {stack:?}, camera {i}, {method:?}");
+                let what =
+                    format!("{count} sheets, {stack:?}, camera {i}, {:?} {:?}", shadows.method, shadows.silhouettes);
                 let wrong = compare(&mask, &judged).errors.len();
                 assert_eq!(wrong, 0, "{what}: pixels other than by rays");
                 // From above, sheets hide some of the floor.
@@ -154,9 +165,11 @@ fn with_four_samples_the_floor_under_hundreds_of_sheets_looks_as_if_there_were_n
         let casters = Caster::of_scene(&scene);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let look = Look::for_model(&scene.bounds(), &[lamp()]);
-        for camera in &cameras()[..2] {
+        let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+        let by_source = |camera| sources.map(|source| (camera, source));
+        for (camera, silhouettes) in cameras()[..2].iter().flat_map(by_source) {
             let picture = |lights: &[Light]| {
-                let shadows = ShadowOptions::default();
+                let shadows = ShadowOptions { silhouettes, ..ShadowOptions::default() };
                 let shot = Shot {
                     scene: &gpu_scene,
                     casters: &casters,
@@ -175,11 +188,14 @@ fn with_four_samples_the_floor_under_hundreds_of_sheets_looks_as_if_there_were_n
             for (pixel, ((with_lamp, without), expected)) in pixels.enumerate() {
                 match expected {
                     Some(true) => {
-                        assert_eq!(with_lamp, without, "{count} sheets, {stack:?}, pixel {pixel}");
+                        assert_eq!(with_lamp, without, "{count} sheets, {stack:?}, {silhouettes:?}, pixel {pixel}");
                         dark += 1;
                     }
                     Some(false) => {
-                        assert!(with_lamp[0] > without[0], "{count} sheets, {stack:?}, pixel {pixel} is lit");
+                        assert!(
+                            with_lamp[0] > without[0],
+                            "{count} sheets, {stack:?}, {silhouettes:?}, pixel {pixel} is lit"
+                        );
                         lit += 1;
                     }
                     None => {}

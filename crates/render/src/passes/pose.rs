@@ -25,9 +25,9 @@ pub(crate) struct PosedUniform {
     pub(crate) origin_world: [f32; 3],
     pub(crate) morph_count: u32,
     pub(crate) has_skin: u32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
-    pub(crate) unused_c: u32,
+    pub(crate) time_s: f32,
+    pub(crate) max_offset: f32,
+    pub(crate) unused: u32,
 }
 
 /// Moves objects.
@@ -54,10 +54,11 @@ pub(crate) struct PoseBuffers<'a> {
 }
 
 impl PosePass {
-    pub(crate) fn new(gpu: &Gpu) -> Self {
+    /// `moved` is the source of what moves vertices besides.
+    pub(crate) fn new(gpu: &Gpu, moved: &str) -> Self {
         let layout = layout(gpu);
         let pipeline_layout = super::pipeline_layout(gpu, "pose", &[Some(&layout)]);
-        let module = shaders::pose(&gpu.device);
+        let module = shaders::pose(&gpu.device, moved);
         let pipeline = |entry_point| {
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),

@@ -11,6 +11,9 @@
 // Of `axes` and the middle of the caster's box, which come before near vertices.
 const MIDDLE: u32 = 6u;
 
+// Out of every view. A triangle of three equal corners in view would be nothing too, but Mesa's llvmpipe then loses narrow ones beside it.
+const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
+
 fn near(i: u32) -> u32 {
     return job.near + i;
 }
@@ -96,13 +99,19 @@ fn vs_light_cap(@builtin(vertex_index) i: u32) -> @builtin(position) @invariant 
 @vertex
 fn vs_faced(@builtin(vertex_index) i: u32) -> @builtin(position) @invariant vec4f {
     let c = cap(i / 3u);
-    return drawn(near(c.corners[select(i % 3u, 0u, c.is_turned)]));
+    if c.is_turned {
+        return NOWHERE;
+    }
+    return drawn(near(c.corners[i % 3u]));
 }
 
 @vertex
 fn vs_turned(@builtin(vertex_index) i: u32) -> @builtin(position) @invariant vec4f {
     let c = cap(i / 3u);
-    return drawn(near(c.corners[select(0u, i % 3u, c.is_turned)]));
+    if !c.is_turned {
+        return NOWHERE;
+    }
+    return drawn(near(c.corners[i % 3u]));
 }
 
 // The cosine, between the triangle's normal and the direction to a corner, below which all directions are nearly in one plane.
@@ -141,9 +150,11 @@ fn vs_projected(@builtin(vertex_index) i: u32) -> @builtin(position) @invariant 
     let piece = (i / 3u) % 3u;
     let axis = fan_axis(away(corners.x), away(corners.y), away(corners.z));
     if axis == MIDDLE {
-        // The other two are nothing.
+        if piece > 0u {
+            return NOWHERE;
+        }
         let own = corners.xzy;
-        return drawn(far(own[select(0u, i % 3u, piece == 0u)]));
+        return drawn(far(own[i % 3u]));
     }
     let start = corners[(3u - piece) % 3u];
     let end = corners[2u - piece];

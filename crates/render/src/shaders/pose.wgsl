@@ -24,9 +24,10 @@ struct Posed {
     morph_count: u32,
     // 0 or 1: without a skin there is one matrix.
     has_skin: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    time_s: f32,
+    // How far `moved` may take a vertex, in metres; 0 where it does not move this object.
+    max_offset: f32,
+    unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> posed: Posed;
@@ -80,6 +81,20 @@ fn posed_position(v: u32) -> vec3f {
     return sum + (1.0 - weights) * posed.origin_world;
 }
 
+// Where `moved` has it, but no farther than boxes hold. That function comes before or after this file; see displacement.rs.
+fn shown_position(v: u32) -> vec3f {
+    let p = posed_position(v);
+    if posed.max_offset == 0.0 {
+        return p;
+    }
+    let to = moved(p, v, posed.time_s);
+    let size = length(to - p);
+    if size > posed.max_offset {
+        return p + (to - p) * (posed.max_offset / size);
+    }
+    return to;
+}
+
 // Of two dimensions, as one can't have enough groups.
 fn thread(id: vec3u, groups: vec3u) -> u32 {
     return id.y * groups.x * GROUP_SIZE + id.x;
@@ -91,7 +106,7 @@ fn pose_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     if v >= posed.vertex_count {
         return;
     }
-    let bits = bitcast<vec3u>(posed_position(v));
+    let bits = bitcast<vec3u>(shown_position(v));
     // Adding +0 would turn -0 into +0 too, but a compiler may drop that.
     let position = select(bits, vec3u(0u), bits == vec3u(0x80000000u));
     volume[posed.near + v] = vec4u(position, NEAR);

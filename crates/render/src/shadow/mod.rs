@@ -28,7 +28,9 @@ use web_time::Instant;
 use wgpu::util::DeviceExt as _;
 
 pub use casters::ShadowCasters;
-pub use found::{FoundShadows, ShadowSums};
+#[cfg(test)]
+pub(crate) use found::RESULT_BYTES;
+pub use found::{FoundShadows, FoundSilhouette, ShadowSums};
 pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource};
 pub use pipelines::ShadowTarget;
 pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};

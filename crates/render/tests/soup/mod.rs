@@ -1,4 +1,4 @@
-//! Random soups of triangles: what no assumption about meshes survives.
+//! Random soups: shared vertices, random windings, fans.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use umbrae_core::{Material, Mesh, Object, Scene, Surface};
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -31,7 +31,7 @@ impl Random {
     }
 }
 
-/// Two objects of shared vertices, random windings and fans.
+/// Two objects, each of 22 triangles: some at random on common vertices, a fan of ten on one edge, and a few twice.
 pub(crate) fn soup(random: &mut Random) -> Scene {
     let objects = (0..2)
         .map(|_| {

@@ -31,7 +31,7 @@ use crate::{Gpu, GpuError, Tier};
 
 const NONE: u32 = u32::MAX;
 /// Of `Result` in `find.wgsl`.
-pub(super) const RESULT_BYTES: u64 = 16 + 16 * Count::ALL as u64;
+pub(crate) const RESULT_BYTES: u64 = 16 + 16 * Count::ALL as u64;
 /// `@workgroup_size` of `find_arguments`.
 const JOBS_IN_GROUP: u32 = 64;
 /// How many lights have their bits in a word.
@@ -51,24 +51,24 @@ pub(super) struct FullFinder {
     lights: GrowingBuffer,
     jobs: GrowingBuffer,
     rows: GrowingBuffer,
-    coefficients: GrowingBuffer,
-    lists: GrowingBuffer,
-    results: GrowingBuffer,
+    pub(super) coefficients: GrowingBuffer,
+    pub(super) lists: GrowingBuffer,
+    pub(super) results: GrowingBuffer,
     /// For finding; `None` as long as nothing was.
     group: Option<wgpu::BindGroup>,
     /// For drawing.
     drawn: Option<wgpu::BindGroup>,
-    staged: Staged,
+    pub(super) staged: Staged,
     /// Across, or down.
     most_groups: u32,
 }
 
 /// What one frame uploads.
 #[derive(Debug)]
-struct Staged {
-    finding: FindingUniform,
+pub(super) struct Staged {
+    pub(super) finding: FindingUniform,
     lights: Vec<FoundLightData>,
-    jobs: Vec<JobSlot>,
+    pub(super) jobs: Vec<JobSlot>,
     rows: Vec<u32>,
     list_len: u64,
 }

@@ -6,6 +6,7 @@
 //!   full       facing, silhouettes, cases, draws                        compute
 //!   basic      the same in textures                                     render passes
 //!   pipelines  volumes from lists or textures
+//!   read       what was found, for tests
 //!   sums       counts where the stencil can't count as far
 //! ```
 //!
@@ -15,6 +16,7 @@ mod basic;
 mod full;
 mod jobs;
 pub(crate) mod pipelines;
+mod read;
 mod sums;
 mod tables;
 
@@ -25,6 +27,7 @@ use umbrae_core::{Caster, Light};
 use web_time::Instant;
 
 pub(crate) use jobs::FoundDraw;
+pub use read::FoundSilhouette;
 pub use sums::ShadowSums;
 
 use super::options::{ShadowOptions, SilhouetteSource};
@@ -37,7 +40,8 @@ use crate::timing::PassTimer;
 use crate::uniforms::LightUniform;
 use crate::{Gpu, GpuError, shaders};
 use basic::BasicFinder;
-use full::{FullFinder, RESULT_BYTES};
+use full::FullFinder;
+pub(crate) use full::RESULT_BYTES;
 use jobs::Amount;
 use jobs::Job;
 use pipelines::{DrawnFrom, FoldPass, FoundPipelines, job_offset};

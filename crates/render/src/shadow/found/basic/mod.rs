@@ -21,9 +21,13 @@
 //! | `tables` | triangles, edges and positions as textures |
 //! | `pass` | the two passes |
 //! | `volumes` | what is drawn of the results |
+//! | `read` | the results for tests |
 
+#[cfg(all(test, not(target_vendor = "apple")))]
+mod glsl_tests;
 mod parts;
 mod pass;
+mod read;
 mod tables;
 #[cfg(test)]
 mod tests;

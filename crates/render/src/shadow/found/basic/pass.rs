@@ -16,31 +16,31 @@ pub(super) const MOST_LIGHTS: usize = 64;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FoundLightsUniform {
-    positions_world: [[f32; 4]; MOST_LIGHTS],
-    count: u32,
-    triangle_count: u32,
-    edge_count: u32,
-    lane_bits: u32,
+    pub(super) positions_world: [[f32; 4]; MOST_LIGHTS],
+    pub(super) count: u32,
+    pub(super) triangle_count: u32,
+    pub(super) edge_count: u32,
+    pub(super) lane_bits: u32,
 }
 
 /// `FoundLanes` in `find_basic.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FoundLanesUniform {
-    first_light: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    pub(super) first_light: u32,
+    pub(super) unused_a: u32,
+    pub(super) unused_b: u32,
+    pub(super) unused_c: u32,
 }
 
 /// `FoundIn` in `found_basic_volume.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FoundInUniform {
-    number: u32,
-    lane: u32,
-    lane_bits: u32,
-    unused: u32,
+    pub(super) number: u32,
+    pub(super) lane: u32,
+    pub(super) lane_bits: u32,
+    pub(super) unused: u32,
 }
 
 /// Finds silhouettes.

@@ -128,7 +128,8 @@ pub(super) struct CasterTables {
     pub(super) positions: Range<u32>,
     pub(super) parts: Vec<PartTables>,
     pub(super) components: Range<usize>,
-    partition: Vec<Part>,
+    /// As many as there are parts.
+    pub(super) partition: Vec<Part>,
 }
 
 /// What decides how a component counts.

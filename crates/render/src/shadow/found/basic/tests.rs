@@ -1,15 +1,19 @@
 //! What the passes find, read back.
 
 use std::collections::BTreeMap;
+use std::mem::offset_of;
 use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Chain, Counting, LightPosition, Mesh, Object, Role, Scene, Surface, shapes};
 
 use super::parts::parts;
-use super::pass::{Batch, FindPass, MOST_LIGHTS, lights_in_texel};
+use super::pass::{
+    Batch, FindPass, FoundInUniform, FoundLanesUniform, FoundLightsUniform, MOST_LIGHTS, lights_in_texel,
+};
 use super::tables::{Entry, PartTables, Table, Tables};
 use crate::timing::PassTimer;
+use crate::uniforms::tests::wgsl_layout;
 use crate::{AdapterChoice, Gpu};
 use random::{Random, soup};
 
@@ -266,4 +270,60 @@ fn a_table_with_more_rows_than_the_device_allows_is_refused_with_both_sizes() {
     let text = error.to_string();
     assert!(text.contains(&((rows + 1) * 2048 * 16).to_string()), "{text}");
     assert!(text.contains(&(rows * 2048 * 16).to_string()), "{text}");
+}
+
+/// The sources of both modules as they are compiled, by name.
+pub(super) fn sources() -> [(&'static str, String); 2] {
+    let tables = include_str!("../../../shaders/found_tables.wgsl");
+    let find = [tables, include_str!("../../../shaders/find_basic.wgsl")].concat();
+    let volume = [
+        include_str!("../../../shaders/view.wgsl"),
+        include_str!("../../../shaders/light.wgsl"),
+        include_str!("../../../shaders/volume.wgsl"),
+        tables,
+        include_str!("../../../shaders/found_basic_volume.wgsl"),
+    ];
+    [("find_basic", find), ("found_basic_volume", volume.concat())]
+}
+
+#[test]
+fn what_passes_are_told_has_the_same_bytes_in_rust_and_wgsl() {
+    let [(_, find), (_, volume)] = sources();
+    let names = |source: &str, name: &str, size: usize| -> Vec<(String, usize)> {
+        let (span, members) = wgsl_layout(source, name);
+        assert_eq!(span, size, "size of {name}");
+        members
+    };
+    let named = |members: &[(&str, usize)]| -> Vec<(String, usize)> {
+        members.iter().map(|&(name, offset)| (name.to_owned(), offset)).collect()
+    };
+    assert_eq!(
+        names(&find, "FoundLights", size_of::<FoundLightsUniform>()),
+        named(&[
+            ("positions_world", offset_of!(FoundLightsUniform, positions_world)),
+            ("count", offset_of!(FoundLightsUniform, count)),
+            ("triangle_count", offset_of!(FoundLightsUniform, triangle_count)),
+            ("edge_count", offset_of!(FoundLightsUniform, edge_count)),
+            ("lane_bits", offset_of!(FoundLightsUniform, lane_bits)),
+        ])
+    );
+    assert_eq!(
+        names(&find, "FoundLanes", size_of::<FoundLanesUniform>()),
+        named(&[
+            ("first_light", offset_of!(FoundLanesUniform, first_light)),
+            ("unused_a", offset_of!(FoundLanesUniform, unused_a)),
+            ("unused_b", offset_of!(FoundLanesUniform, unused_b)),
+            ("unused_c", offset_of!(FoundLanesUniform, unused_c)),
+        ])
+    );
+    assert_eq!(
+        names(&volume, "FoundIn", size_of::<FoundInUniform>()),
+        named(&[
+            ("number", offset_of!(FoundInUniform, number)),
+            ("lane", offset_of!(FoundInUniform, lane)),
+            ("lane_bits", offset_of!(FoundInUniform, lane_bits)),
+            ("unused", offset_of!(FoundInUniform, unused)),
+        ])
+    );
+    assert!(size_of::<FoundLightsUniform>() <= 16 << 10, "WebGL2 has uniform buffers of 16 KiB");
 }

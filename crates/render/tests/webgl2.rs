@@ -1,0 +1,131 @@
+//! Silhouettes in textures on a device that has what WebGL2 has and no more: no compute, no storage buffers, textures of 2048 texels a side.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod soup;
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use soup::{Random, soup};
+use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, shapes};
+use umbrae_render::{
+    Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, Shot,
+    SilhouetteSource, Tier, compare,
+};
+
+/// Whatever there is, held to the limits of WebGL2.
+fn gpu(backends: wgpu::Backends) -> Option<Gpu> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapter = pollster::block_on(instance.enumerate_adapters(backends)).into_iter().next()?;
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("as WebGL2"),
+        required_limits: wgpu::Limits::downlevel_webgl2_defaults(),
+        ..wgpu::DeviceDescriptor::default()
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Some(Gpu::of_device(&adapter, device, queue))
+}
+
+fn options(method: Method) -> ShadowOptions {
+    ShadowOptions { silhouettes: SilhouetteSource::GpuBasic, ..ShadowOptions::from(method) }
+}
+
+/// How many pixels of masks of soups are decided, none of them wrong.
+fn decided_of_soups(gpu: Gpu) -> usize {
+    let renderer = Renderer::new(gpu, 1);
+    let mut random = Random(21);
+    let mut decided = 0;
+    for number in 0..12 {
+        let scene = soup(&mut random);
+        let casters = Caster::of_scene(&scene);
+        let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+        let camera = Camera::new(random.point(3.0), random.point(1.0), 1.2, 0.05, [160, 120]).unwrap();
+        let corners = casters[0].corners(0).map(Vec3::as_dvec3);
+        let lights = [
+            LightPosition::point(random.point(6.0)),
+            LightPosition::point(random.point(2.0)),
+            LightPosition::point(corners[0] * 3.0 - corners[1] - corners[2]),
+            LightPosition::directional(random.point(1.0)).unwrap(),
+        ]
+        .map(|position| Light::new("light", position, Vec3::ONE));
+        let judged = Oracle::new(&casters).judge(&camera, &lights, || ());
+        for (light, judgements) in lights.iter().zip(&judged) {
+            for method in [Method::Auto, Method::ZFail] {
+                let shot = Shot { shadows: options(method), ..Shot::new(&drawn, &casters, &camera, &[]) };
+                let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
+                let comparison = compare(&mask.verdicts, judgements);
+                assert_eq!(comparison.errors, [], "soup {number}, {light:?}, {method:?}");
+                decided += comparison.decided;
+            }
+        }
+    }
+    decided
+}
+
+#[test]
+fn every_decided_pixel_of_a_soup_is_right_with_no_more_than_webgl2_has() {
+    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    assert_eq!(gpu.caps.tier, Tier::Basic);
+    let decided = decided_of_soups(gpu);
+    assert!(decided > 1_500_000, "{decided} pixels decided");
+}
+
+#[test]
+fn every_decided_pixel_of_a_soup_is_right_on_opengl_where_there_is_any() {
+    let Some(gpu) = gpu(wgpu::Backends::GL) else { return };
+    println!("{}", gpu.label);
+    let decided = decided_of_soups(gpu);
+    assert!(decided > 1_500_000, "{decided} pixels decided");
+}
+
+fn caster_of(surface: Surface) -> Vec<Caster> {
+    let object = Object::new("", Arc::new(Mesh::new(surface).unwrap()), DAffine3::IDENTITY);
+    Caster::of_scene(&Scene { objects: vec![object], materials: vec![Material::default()], ..Scene::default() })
+}
+
+#[test]
+fn a_mesh_with_more_than_four_million_edges_is_refused() {
+    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let target = ShadowTarget { depth_stencil_format: gpu.caps.depth_stencil_format, samples: 1, color_formats: &[] };
+    let shadows = Shadows::new(&gpu, &target);
+    let finder = |cells| {
+        let casters = caster_of(shapes::sheet(Vec3::ZERO, Vec3::X, Vec3::Y, cells));
+        let uploaded = ShadowCasters::new(&gpu, &casters).unwrap();
+        shadows.finder(&gpu, &casters, &uploaded, SilhouetteSource::GpuBasic).map(|_| ())
+    };
+    assert!(finder([100, 100]).is_ok());
+    // Three edges a cell, and 2048 x 2048 texels.
+    let error = finder([1200, 1200]).unwrap_err();
+    let (needed, allowed) = (2111 * 2048 * 16, 2048 * 2048 * 16);
+    let GpuError::TooLarge { needed_bytes, allowed_bytes, .. } = error else { panic!("{error}") };
+    assert_eq!((needed_bytes, allowed_bytes), (needed, allowed));
+}
+
+#[test]
+fn what_has_moved_casts_from_where_it_is() {
+    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let renderer = Renderer::new(gpu, 1);
+    let object = |surface| Object::new("", Arc::new(Mesh::new(surface).unwrap()), DAffine3::IDENTITY);
+    let floor = shapes::sheet(Vec3::new(-5.0, -5.0, 0.0), Vec3::X * 10.0, Vec3::Y * 10.0, [3, 3]);
+    let objects = vec![object(floor), object(shapes::icosphere(Vec3::new(0.0, 0.0, 1.5), 1.0, 3))];
+    let mut scene = Scene { objects, materials: vec![Material::default()], ..Scene::default() };
+    let mut casters = Caster::of_scene(&scene);
+    let mut drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+    let camera = Camera::new(DVec3::new(4.0, -5.0, 4.0), DVec3::ZERO, 1.0, 0.05, [160, 120]).unwrap();
+    let light = Light::new("lamp", LightPosition::point(DVec3::new(0.5, 0.3, 5.0)), Vec3::ONE);
+    for x in [0.0, 1.5, -2.0] {
+        scene.objects[1].world_from_object = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+        casters[1].pose_to(&scene.objects[1]);
+        drawn.update(renderer.gpu(), &casters, &scene.materials);
+        let judged = Oracle::new(&casters).judge(&camera, std::slice::from_ref(&light), || ()).remove(0);
+        let shot = Shot { shadows: options(Method::Auto), ..Shot::new(&drawn, &casters, &camera, &[]) };
+        let mask = pollster::block_on(renderer.mask(&shot, &light)).unwrap();
+        let comparison = compare(&mask.verdicts, &judged);
+        assert_eq!(comparison.errors, [], "at {x} m");
+        assert!(comparison.decided > 5_000, "{} pixels decided", comparison.decided);
+    }
+}
