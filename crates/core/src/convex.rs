@@ -3,13 +3,14 @@
 use glam::{DVec3, DVec4};
 
 use crate::Bounds;
+use crate::few::Few;
 
 /// The points on the inner side of every plane; may be unbounded.
 ///
 /// A plane `(n, d)` has unit normal `n` and holds the points with `n . p + d >= 0`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ConvexRegion {
-    planes: Vec<DVec4>,
+    planes: Few<DVec4, 16>,
 }
 
 impl ConvexRegion {
@@ -45,7 +46,7 @@ impl ConvexRegion {
     /// Whether the region and the closed segment have a point in common.
     pub fn meets_segment(&self, ends: [DVec3; 2]) -> bool {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
-        for plane in &self.planes {
+        for plane in self.planes() {
             let (start, end) = (distance(plane, ends[0]), distance(plane, ends[1]));
             if start < 0.0 && end < 0.0 {
                 return false;
@@ -66,9 +67,10 @@ impl ConvexRegion {
         if self.planes.iter().any(is_outside) {
             return false;
         }
-        let mut polygon = corners.to_vec();
-        let mut clipped = Vec::with_capacity(8);
-        for plane in &self.planes {
+        // Each plane adds a corner at most.
+        let (mut polygon, mut clipped) = (Few::<DVec3, 20>::default(), Few::default());
+        polygon.extend(corners);
+        for plane in self.planes() {
             clipped.clear();
             for (i, &p) in polygon.iter().enumerate() {
                 let q = polygon[(i + 1) % polygon.len()];

@@ -16,6 +16,7 @@
 use glam::{DVec3, DVec4};
 
 use crate::case::{slack_m, view_region};
+use crate::few::Few;
 use crate::screen::Screen;
 use crate::{Bounds, Camera, ConvexRegion, Light, LightPosition, PixelRect, Reach};
 
@@ -161,7 +162,7 @@ fn shading_region(camera: &Camera, light: LightPosition, view: &ConvexRegion, sl
         }
     }
     // A point of the plane, and two directions along it.
-    let mut candidates: Vec<(DVec3, DVec3, DVec3)> = Vec::with_capacity(12);
+    let mut candidates: Few<(DVec3, DVec3, DVec3), 12> = Few::default();
     for i in 0..4 {
         let next = (i + 1) % 4;
         candidates.push((near[i], near[next] - near[i], light.offset_from(near[i])));
@@ -170,7 +171,7 @@ fn shading_region(camera: &Camera, light: LightPosition, view: &ConvexRegion, sl
             candidates.push((l.truncate(), rays[i], rays[next]));
         }
     }
-    for (point, along, across) in candidates {
+    for &(point, along, across) in candidates.iter() {
         let (along, across) = (along.normalize_or_zero(), across.normalize_or_zero());
         let normal = along.cross(across);
         if normal.length() < EDGE_ON {
@@ -193,9 +194,9 @@ fn shading_region(camera: &Camera, light: LightPosition, view: &ConvexRegion, sl
 /// A box swept away from the light to infinity, as flat faces.
 struct Swept {
     /// The sides of the box that face the light, and the same at infinity.
-    caps: Vec<[DVec4; 4]>,
+    caps: Few<[DVec4; 4], 6>,
     /// From an edge of those to infinity; the edge comes first, as the lit side walks it.
-    sides: Vec<[DVec4; 4]>,
+    sides: Few<[DVec4; 4], 6>,
 }
 
 /// The corners of a box around each of its faces, counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z.
@@ -217,7 +218,7 @@ impl Swept {
         let near = corners.map(|corner| corner.extend(1.0));
         let far = corners.map(|corner| -light.offset_from(corner).extend(0.0));
         let edges_of = |face: usize| (0..4).map(move |i| (FACES[face][i], FACES[face][(i + 1) % 4]));
-        let (mut caps, mut sides) = (Vec::with_capacity(6), Vec::with_capacity(6));
+        let (mut caps, mut sides) = (Few::default(), Few::default());
         for face in (0..6).filter(|&face| is_lit[face]) {
             caps.push(FACES[face].map(|i| near[i]));
             caps.push(FACES[face].map(|i| far[i]));

@@ -23,6 +23,7 @@ mod convex;
 mod counting;
 mod cull;
 mod eye_count;
+mod few;
 mod light;
 mod mesh;
 mod oracle;

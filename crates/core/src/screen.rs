@@ -6,6 +6,7 @@
 use glam::{DMat4, DVec4};
 
 use crate::Camera;
+use crate::few::Few;
 
 /// Pixels of a picture: x to the right, y down, `max` not included. Never empty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,7 +98,7 @@ impl Screen {
         holds: impl Fn(DVec4) -> bool,
     ) -> Option<PixelRect> {
         let mut extent = Extent { min: [f64::INFINITY; 2], max: [f64::NEG_INFINITY; 2] };
-        let (mut polygon, mut clipped) = (Vec::with_capacity(16), Vec::with_capacity(16));
+        let (mut polygon, mut clipped) = (Polygon::default(), Polygon::default());
         for face in faces {
             polygon.clear();
             polygon.extend(face.iter().map(|&corner| self.clip_from_world * corner));
@@ -105,7 +106,7 @@ impl Screen {
                 clip(&polygon, plane, &mut clipped);
                 std::mem::swap(&mut polygon, &mut clipped);
             }
-            for &corner in &polygon {
+            for &corner in polygon.iter() {
                 extent.include(corner);
             }
         }
@@ -151,8 +152,11 @@ impl Extent {
     }
 }
 
+/// Each plane of the view adds a corner at most to a quad.
+type Polygon = Few<DVec4, 9>;
+
 /// The part of a flat, convex polygon on the inner side of `plane`.
-fn clip(polygon: &[DVec4], plane: &DVec4, clipped: &mut Vec<DVec4>) {
+fn clip(polygon: &[DVec4], plane: &DVec4, clipped: &mut Polygon) {
     clipped.clear();
     for (i, &p) in polygon.iter().enumerate() {
         let q = polygon[(i + 1) % polygon.len()];

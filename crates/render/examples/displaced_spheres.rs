@@ -2,7 +2,7 @@
 //!
 //! Source: S. Brabec and H.-P. Seidel, "Shadow volumes on programmable graphics hardware", 2003, figure 5.
 //!
-//! `cargo run --release -p umbrae-render --example displaced_spheres` writes displaced_spheres_0.png and so on: a second in ten pictures.
+//! `cargo run --release -p umbrae-render --example displaced_spheres` writes `displaced_spheres_0.png` and so on: a second in ten pictures.
 
 use std::sync::Arc;
 

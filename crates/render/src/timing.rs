@@ -56,6 +56,7 @@ impl PassTimer {
 
     /// As [`PassTimer::writes`], for a compute pass.
     pub(crate) fn compute_writes(&mut self, name: &str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        self.queries.as_ref()?;
         let writes = self.writes(name.to_owned())?;
         Some(wgpu::ComputePassTimestampWrites {
             query_set: writes.query_set,

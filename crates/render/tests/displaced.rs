@@ -1,7 +1,5 @@
 //! Vertices that only the GPU knows: what is displaced casts and shadows itself as rays say, at any time.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 #[expect(dead_code, reason = "the example's main is not run")]
 #[path = "../examples/displaced_spheres.rs"]
 mod displaced_spheres;

@@ -36,7 +36,7 @@ pub use pipelines::ShadowTarget;
 pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};
 pub(crate) use tally::{Tally, TallyKind};
 
-use crate::passes::{Layouts, uniform_group};
+use crate::passes::{Layouts, uniform_buffer_and_group, uniform_group};
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, Look};
 use found::{DrawnWith, FoundDrawing};
@@ -67,7 +67,16 @@ struct OwnedTarget {
 #[derive(Debug)]
 pub struct ShadowView {
     seen: Seen,
+    uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
+}
+
+impl ShadowView {
+    /// Looks at the same casters, which may have moved, from `camera`, in the memory that there is. Draws that are not submitted yet look from there too.
+    pub fn look_from(&mut self, gpu: &Gpu, casters: &[Caster], camera: &Camera) {
+        self.seen.look_from(camera, casters);
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&View::new(camera, &Look::NONE)));
+    }
 }
 
 /// The volumes of one light, on the device.
@@ -147,8 +156,8 @@ impl Shadows {
     /// As [`Shadows::view`], with `spheres` that cast besides; what is drawn of them, rounded to `f32`, must be in the depth too.
     pub fn view_with_spheres(&self, gpu: &Gpu, casters: &[Caster], spheres: &[Sphere], camera: &Camera) -> ShadowView {
         let view = View::new(camera, &Look::NONE);
-        let group = uniform_group(gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view));
-        ShadowView { seen: Seen::new(camera, casters, spheres), group }
+        let (uniform, group) = uniform_buffer_and_group(gpu, "view", &self.layouts.view, bytemuck::bytes_of(&view));
+        ShadowView { seen: Seen::new(camera, casters, spheres), uniform, group }
     }
 
     /// The volumes of `casters`, uploaded as `uploaded`, under `light`.

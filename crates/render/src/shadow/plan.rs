@@ -40,9 +40,18 @@ pub(crate) struct Seen {
 
 impl Seen {
     pub(crate) fn new(camera: &Camera, casters: &[Caster], spheres: &[Sphere]) -> Self {
-        let spheres: Vec<Sphere> = spheres.iter().map(rounded_to_f32).collect();
-        let bounds = spheres.iter().fold(Caster::bounds_of(casters), |bounds, sphere| bounds.union(sphere.bounds()));
-        Self { camera: *camera, bounds, spheres, windings: OnceLock::new() }
+        let spheres = spheres.iter().map(rounded_to_f32).collect();
+        let mut seen = Self { camera: *camera, bounds: Bounds::EMPTY, spheres, windings: OnceLock::new() };
+        seen.look_from(camera, casters);
+        seen
+    }
+
+    /// The same spheres and casters, which may have moved, from `camera`.
+    pub(super) fn look_from(&mut self, camera: &Camera, casters: &[Caster]) {
+        self.camera = *camera;
+        let of_casters = Caster::bounds_of(casters);
+        self.bounds = self.spheres.iter().fold(of_casters, |bounds, sphere| bounds.union(sphere.bounds()));
+        self.windings = OnceLock::new();
     }
 
     /// Of `casters`, which must be those that this was made for.
