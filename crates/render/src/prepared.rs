@@ -50,7 +50,7 @@ impl<'a> PreparedLights<'a> {
         }
         if let Some((_, found)) = &mut *kept {
             shadows.compile_found(gpu, source);
-            found.plan(gpu, casters, uploaded, view, lights, options)?;
+            found.plan(gpu, casters, uploaded, view, lights, options);
             found.upload(gpu)?;
         }
         Ok(Self::Found(kept))

@@ -244,10 +244,6 @@ impl FoundShadows {
     /// nanoseconds for each caster and light.
     ///
     /// `casters` and `uploaded` must be those that this was made for; casters may have moved, and their boxes must hold them.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::TooLarge`] when what is found does not fit into the device's textures ([`SilhouetteSource::GpuBasic`]).
     pub fn plan(
         &mut self,
         gpu: &Gpu,
@@ -256,7 +252,7 @@ impl FoundShadows {
         view: &ShadowView,
         lights: &[Light],
         options: &ShadowOptions,
-    ) -> Result<(), GpuError> {
+    ) {
         self.light_count = lights.len();
         while self.lights.len() < lights.len() {
             let light = FoundLight::new(gpu, &self.light_layout, options);
@@ -264,7 +260,7 @@ impl FoundShadows {
         }
         match &mut self.finder {
             Finder::Full(finder) => finder.start(&view.seen.camera, lights.len() as u32),
-            Finder::Basic(finder) => finder.start(gpu, casters, uploaded, &view.seen.camera, lights)?,
+            Finder::Basic(finder) => finder.start(gpu, casters, uploaded, &view.seen.camera, lights),
         }
         self.jobs.clear();
         for (number, (found, light)) in (0..).zip(self.lights.iter_mut().zip(lights)) {
@@ -293,18 +289,17 @@ impl FoundShadows {
         if let Finder::Full(finder) = &mut self.finder {
             finder.add_jobs(&self.jobs, uploaded);
         }
-        Ok(())
     }
 
     /// Uploads what [`FoundShadows::plan`] planned: 256 bytes for each caster and light that matters, 4 for each that does not.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] when the lists could be longer than shaders of the device can be given.
+    /// [`GpuError::TooLarge`] when the lists could be longer than shaders of the device can be given, or do not fit into its textures.
     pub fn upload(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         match &mut self.finder {
             Finder::Full(finder) => finder.upload(gpu)?,
-            Finder::Basic(finder) => finder.upload(gpu),
+            Finder::Basic(finder) => finder.upload(gpu)?,
         }
         for (number, found) in self.lights[..self.light_count].iter_mut().enumerate() {
             found.upload(gpu)?;

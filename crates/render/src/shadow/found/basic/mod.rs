@@ -55,6 +55,8 @@ pub(super) struct BasicFinder {
     moves: u64,
     batches: Vec<Batch>,
     light_count: usize,
+    /// Why nothing can be found in this frame.
+    failure: Option<GpuError>,
 }
 
 impl BasicFinder {
@@ -71,14 +73,11 @@ impl BasicFinder {
     ) -> Result<Self, GpuError> {
         let tables = Tables::new(gpu, casters, may_sum)?;
         let pass = FindPass::new(gpu);
-        Ok(Self { pass, tables, may_sum, moves: uploaded.moves(), batches: Vec::new(), light_count: 0 })
+        Ok(Self { pass, tables, may_sum, moves: uploaded.moves(), batches: Vec::new(), light_count: 0, failure: None })
     }
 
-    /// Begins a frame: tells from boxes how components count for `lights`, rounded as shaders see them.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::TooLarge`].
+    /// Begins a frame: tells from boxes how components count for `lights`, rounded as shaders see them. What does not fit on the device is told by
+    /// [`BasicFinder::upload`].
     pub(super) fn start(
         &mut self,
         gpu: &Gpu,
@@ -86,7 +85,15 @@ impl BasicFinder {
         uploaded: &ShadowCasters,
         camera: &Camera,
         lights: &[Light],
-    ) -> Result<(), GpuError> {
+    ) {
+        self.light_count = lights.len();
+        self.failure = self.make_room(gpu, casters, uploaded).err();
+        for (batch, lights) in self.batches.iter_mut().zip(lights.chunks(MOST_LIGHTS)) {
+            batch.plan(&self.tables, camera, lights.iter().map(|light| light.position.rounded_to_f32()));
+        }
+    }
+
+    fn make_room(&mut self, gpu: &Gpu, casters: &[Caster], uploaded: &ShadowCasters) -> Result<(), GpuError> {
         if self.moves != uploaded.moves() {
             self.moves = uploaded.moves();
             if !self.tables.update(gpu, casters) {
@@ -94,13 +101,13 @@ impl BasicFinder {
                 self.batches.clear();
             }
         }
-        self.light_count = lights.len();
-        while self.batches.len() * MOST_LIGHTS < lights.len() {
+        while self.batches.len() * MOST_LIGHTS < self.light_count {
             self.batches.push(self.pass.batch(gpu, &self.tables)?);
         }
-        for (batch, lights) in self.batches.iter_mut().zip(lights.chunks(MOST_LIGHTS)) {
-            batch.plan(&self.tables, camera, lights.iter().map(|light| light.position.rounded_to_f32()));
-            self.pass.make_lanes(gpu, &self.tables, batch)?;
+        let mut lights = self.light_count;
+        for batch in &mut self.batches {
+            self.pass.make_lanes(gpu, &self.tables, batch, lights.min(MOST_LIGHTS))?;
+            lights = lights.saturating_sub(MOST_LIGHTS);
         }
         Ok(())
     }
@@ -115,14 +122,26 @@ impl BasicFinder {
         (number, light): (u32, &Light),
         options: &ShadowOptions,
     ) {
+        if self.failure.is_some() {
+            return;
+        }
         let (batch, l) = self.place_of(number as usize);
         let is_facing = |caster| batch.is_facing(&self.tables, caster, l);
         let casters = (casters, uploaded, self.tables.casters.as_slice());
         volumes::add(plan, scope, casters, seen, (number, light.position), is_facing, options);
     }
 
-    pub(super) fn upload(&self, gpu: &Gpu) {
+    /// Uploads what the frame began with.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`].
+    pub(super) fn upload(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
         self.batches_in_use().iter().for_each(|batch| batch.upload(gpu));
+        Ok(())
     }
 
     pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {

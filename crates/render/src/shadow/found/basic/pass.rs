@@ -197,15 +197,21 @@ impl FindPass {
         })
     }
 
-    /// Makes room in `batch` for the multiplicities of the lights that were planned: 16 bytes for each edge, for 32 lights where no edge has
+    /// Makes room in `batch` for the multiplicities of so many lights: 16 bytes for each edge, for 32 lights where no edge has
     /// more than seven triangles.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] as for [`Table::new`].
-    pub(super) fn make_lanes(&self, gpu: &Gpu, tables: &Tables, batch: &mut Batch) -> Result<(), GpuError> {
+    pub(super) fn make_lanes(
+        &self,
+        gpu: &Gpu,
+        tables: &Tables,
+        batch: &mut Batch,
+        light_count: usize,
+    ) -> Result<(), GpuError> {
         let in_texel = lights_in_texel(tables);
-        while batch.lanes.len() * in_texel < batch.staged.lights.count as usize {
+        while batch.lanes.len() * in_texel < light_count {
             let first_light = (batch.lanes.len() * in_texel) as u32;
             let range = FoundLanesUniform { first_light, ..Zeroable::zeroed() };
             let range = uniform_buffer(gpu, "lights of multiplicities", bytemuck::bytes_of(&range));

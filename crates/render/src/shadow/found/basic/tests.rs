@@ -32,7 +32,7 @@ fn read(gpu: &Gpu, table: &Table) -> Vec<Entry> {
 fn find(gpu: &Gpu, pass: &FindPass, tables: &Tables, camera: &Camera, lights: &[LightPosition]) -> Batch {
     let mut batch = pass.batch(gpu, tables).expect("small tables");
     batch.plan(tables, camera, lights.iter().copied());
-    pass.make_lanes(gpu, tables, &mut batch).expect("small tables");
+    pass.make_lanes(gpu, tables, &mut batch, lights.len()).expect("small tables");
     batch.upload(gpu);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("find") });
     pass.draw(&mut encoder, tables, &batch, &mut PassTimer::off());
