@@ -4,6 +4,7 @@ const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
 const JOB: &str = include_str!("shaders/job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
+const FLAT_NORMAL: &str = include_str!("shaders/flat_normal.wgsl");
 const FOUND_TABLES: &str = include_str!("shaders/found_tables.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
@@ -70,7 +71,12 @@ pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
 
 /// `moved` is the source of a function of that name: see [`crate::Displacement`].
 pub(crate) fn pose(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
-    module(device, "pose", &[include_str!("shaders/pose.wgsl"), moved])
+    module(device, "pose", &[FLAT_NORMAL, include_str!("shaders/pose.wgsl"), moved])
+}
+
+/// `moved` as for [`pose`].
+pub(crate) fn displace(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
+    module(device, "displace", &[FOUND_TABLES, FLAT_NORMAL, include_str!("shaders/displace.wgsl"), moved])
 }
 
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {

@@ -2,16 +2,22 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[expect(dead_code, reason = "the example's main is not run")]
+#[path = "../examples/displaced_spheres.rs"]
+mod displaced_spheres;
 mod soup;
 
 use std::sync::Arc;
 
+use displaced_spheres::{MAX_OFFSET_M, MOVED, NOISE};
 use glam::{DAffine3, DVec3, Vec3};
 use soup::{Random, soup};
-use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, shapes};
+use umbrae_core::{
+    Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, Verdict, shapes,
+};
 use umbrae_render::{
-    Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, Shot,
-    SilhouetteSource, Tier, compare,
+    Displacement, Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, Shot,
+    SilhouetteSource, TextureDisplacer, Tier, compare,
 };
 
 /// Whatever there is, held to the limits of WebGL2.
@@ -128,4 +134,79 @@ fn what_has_moved_casts_from_where_it_is() {
         assert_eq!(comparison.errors, [], "at {x} m");
         assert!(comparison.decided > 5_000, "{} pixels decided", comparison.decided);
     }
+}
+
+/// Spheres that the user's function displaces, at several times: how many pixels are decided, none of them wrong.
+fn decided_of_displaced_spheres(gpu: Gpu, times: u32) -> usize {
+    let renderer = Renderer::new(gpu, 1);
+    let gpu = renderer.gpu();
+    let (scene, camera) = (displaced_spheres::scene(), displaced_spheres::camera([240, 136]).unwrap());
+    let lights = displaced_spheres::lights();
+    let at_rest = Caster::of_scene(&scene);
+    let mut casters = at_rest.clone();
+    let drawn = GpuScene::new(gpu, &casters, &scene.materials, &scene.textures).unwrap();
+    let noise = Displacement { wgsl: NOISE, max_offset_m: MAX_OFFSET_M, objects: &MOVED };
+    let displacer = TextureDisplacer::new(gpu, &scene, &mut casters, &drawn, &noise);
+    let mut displacer = pollster::block_on(displacer).unwrap();
+    let mut before: Option<Vec<Vec<Vec3>>> = None;
+    let (mut decided, mut dark) = (0, 0);
+    for i in 0..times {
+        let time_s = i as f32 * 0.37;
+        displacer.show(gpu, &drawn, time_s);
+        let positions = pollster::block_on(displacer.positions(gpu, &casters, &drawn)).unwrap();
+        assert_eq!(at_rest[3].positions, positions[3], "the floor is flat");
+        let farthest = at_rest[0].positions.iter().zip(&positions[0]).map(|(a, b)| a.distance(*b));
+        assert!(farthest.fold(0.0, f32::max) > 0.1, "spheres have bumps");
+        if let Some(before) = before.replace(positions.clone()) {
+            assert_ne!(before[0], positions[0], "and bumps move");
+        }
+        let at = |(caster, positions): (&Caster, Vec<Vec3>)| Caster {
+            bounds: Bounds::of_points(positions.iter().map(|p| p.as_dvec3())),
+            positions,
+            ..caster.clone()
+        };
+        let truth: Vec<Caster> = at_rest.iter().zip(positions).map(at).collect();
+        for (caster, truth) in casters.iter().zip(&truth) {
+            assert_eq!(caster.bounds.union(truth.bounds), caster.bounds, "boxes hold what was moved");
+        }
+        let judged = Oracle::with_materials(&truth, &scene.materials, &scene.textures).judge(&camera, &lights, || ());
+        for (light, judgements) in lights.iter().zip(&judged) {
+            for method in [Method::Auto, Method::ZFail] {
+                let shot = Shot { shadows: options(method), ..Shot::new(&drawn, &casters, &camera, &[]) };
+                let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
+                let comparison = compare(&mask.verdicts, judgements);
+                assert_eq!(comparison.errors, [], "at {time_s} s under {}, {method:?}", light.name);
+                decided += comparison.decided;
+            }
+            dark += judgements.iter().filter(|j| j.verdict == Some(Verdict::Dark)).count();
+        }
+    }
+    assert!(dark > decided / 20, "{dark} of {decided} pixels are dark");
+    decided
+}
+
+#[test]
+fn spheres_displaced_in_textures_shade_themselves_and_others_exactly_at_five_times() {
+    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let decided = decided_of_displaced_spheres(gpu, 5);
+    assert!(decided > 250_000, "{decided} pixels decided");
+}
+
+#[test]
+fn spheres_displaced_in_textures_are_right_on_opengl_where_there_is_any() {
+    let Some(gpu) = gpu(wgpu::Backends::GL) else { return };
+    let decided = decided_of_displaced_spheres(gpu, 2);
+    assert!(decided > 100_000, "{decided} pixels decided");
+}
+
+#[test]
+fn a_function_that_is_no_good_is_an_error_that_says_why() {
+    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let scene = displaced_spheres::scene();
+    let mut casters = Caster::of_scene(&scene);
+    let drawn = GpuScene::new(&gpu, &casters, &scene.materials, &scene.textures).unwrap();
+    let bad = Displacement { wgsl: "fn moved() -> vec3f { return wind; }", max_offset_m: 1.0, objects: &[0] };
+    let made = pollster::block_on(TextureDisplacer::new(&gpu, &scene, &mut casters, &drawn, &bad));
+    let Err(GpuError::Shader { reason }) = made else { panic!("it is no good") };
+    assert!(reason.contains("wind"), "{reason}");
 }

@@ -25,9 +25,10 @@ struct FoundLanes {
 // Bits of the lights from which every triangle counts (two words), and the largest coordinate of the caster's box.
 @group(0) @binding(3) var components: texture_2d<u32>;
 @group(0) @binding(4) var positions: texture_2d<u32>;
-// The lower corner, the higher, the first incidence and how many there are.
+// The lower corner, the higher, where its incidences begin, and the middle of the caster's box.
 @group(0) @binding(5) var edges: texture_2d<u32>;
-// Four a texel: a triangle, and in the lowest bit whether it walks the edge from the higher corner to the lower.
+// Four words a texel: how many triangles are on the edge; then each, with in the lowest bit whether it walks the edge from the higher corner
+// to the lower.
 @group(0) @binding(6) var incidences: texture_2d<u32>;
 @group(0) @binding(7) var coefficients: texture_2d<u32>;
 
@@ -114,8 +115,13 @@ fn fs_multiplicities(@builtin(position) fragment: vec4f) -> @location(0) vec4u {
     let used = vec4u(0xFFFFFFFFu >> (32u - 64u / found.lane_bits));
     var words = ones << vec4u(found.lane_bits - 1u);
     let edge = textureLoad(edges, place_of(entry), 0);
-    for (var i = edge.z; i < edge.z + edge.w; i += 1u) {
-        let incidence = textureLoad(incidences, place_of(i >> 2u), 0)[i & 3u];
+    var four = textureLoad(incidences, place_of(edge.z), 0);
+    let count = four.x;
+    for (var i = 1u; i <= count; i += 1u) {
+        if (i & 3u) == 0u {
+            four = textureLoad(incidences, place_of(edge.z + (i >> 2u)), 0);
+        }
+        let incidence = four[i & 3u];
         let texel = textureLoad(coefficients, place_of(incidence >> 1u), 0);
         let at = first_bits >> vec4u(5u);
         let bits = vec4u(texel[at.x], texel[at.y], texel[at.z], texel[at.w]) >> (first_bits & vec4u(31u));

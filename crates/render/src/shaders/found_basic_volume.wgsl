@@ -15,7 +15,6 @@ struct FoundIn {
 }
 
 @group(2) @binding(0) var<uniform> found: FoundIn;
-// Three bit patterns of f32, and the number of the middle of the caster's box.
 @group(2) @binding(1) var positions: texture_2d<u32>;
 @group(2) @binding(2) var triangles: texture_2d<u32>;
 @group(2) @binding(3) var edges: texture_2d<u32>;
@@ -81,8 +80,7 @@ fn vs_fan(
     let corner = vertex % 3u;
     let ends = textureLoad(edges, place_of(edge), 0);
     let end = select(ends.x, ends.y, (corner == 0u) == (times > 0));
-    let middle = textureLoad(positions, place_of(end), 0).w;
-    return volume_corner(select(end, middle, corner == 2u), true);
+    return volume_corner(select(end, ends.w, corner == 2u), true);
 }
 
 struct CastingTriangle {

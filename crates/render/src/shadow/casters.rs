@@ -1,11 +1,13 @@
 //! The vertices of shadow volumes on the GPU.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::DVec3;
 use umbrae_core::Caster;
 use wgpu::util::DeviceExt as _;
 
+use super::found::basic::Displaced;
 use crate::{Gpu, GpuError};
 
 /// A vertex of shadow volumes: position and 0, the same and 1 for its copy at infinity (McGuire's doubled vertex array,
@@ -63,6 +65,8 @@ pub struct ShadowCasters {
     /// Whether a caster may be elsewhere than where it was.
     pub(crate) has_moved: Vec<AtomicBool>,
     moves: AtomicU64,
+    /// Positions that only the GPU knows; see [`crate::TextureDisplacer`].
+    displaced: OnceLock<Displaced>,
 }
 
 impl ShadowCasters {
@@ -88,7 +92,18 @@ impl ShadowCasters {
             usage: gpu.caps.moving_vertices(),
         });
         let has_moved = casters.iter().map(|_| AtomicBool::new(false)).collect();
-        Ok(Self { vertices, blocks, has_moved, moves: AtomicU64::new(0) })
+        Ok(Self { vertices, blocks, has_moved, moves: AtomicU64::new(0), displaced: OnceLock::new() })
+    }
+
+    /// Positions that only the GPU knows, if there are any.
+    pub(crate) fn displaced(&self) -> Option<&Displaced> {
+        self.displaced.get()
+    }
+
+    /// From now on positions are where `make` has them; what was said first holds.
+    pub(crate) fn displace(&self, make: impl FnOnce() -> Displaced) -> &Displaced {
+        self.moves.fetch_add(1, Ordering::Relaxed);
+        self.displaced.get_or_init(make)
     }
 
     /// How often casters were moved so far.

@@ -15,7 +15,7 @@
 
 mod casters;
 mod emit;
-mod found;
+pub(crate) mod found;
 mod options;
 mod pipelines;
 mod plan;

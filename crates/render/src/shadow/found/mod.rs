@@ -12,7 +12,7 @@
 //!
 //! What is drawn of a light is a [`ShadowLight`], as it is where silhouettes come from the CPU, and is drawn by the same calls.
 
-mod basic;
+pub(crate) mod basic;
 mod full;
 mod jobs;
 pub(crate) mod pipelines;

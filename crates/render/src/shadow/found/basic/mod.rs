@@ -19,7 +19,8 @@
 //! |---|---|
 //! | `parts` | casters in parts that the stencil can count |
 //! | `tables` | triangles, edges and positions as textures |
-//! | `pass` | the two passes |
+//! | `table_pass` | passes that fill such textures |
+//! | `pass` | the two that find silhouettes |
 //! | `volumes` | what is drawn of the results |
 //! | `read` | the results for tests |
 
@@ -28,6 +29,7 @@ mod glsl_tests;
 mod parts;
 mod pass;
 mod read;
+mod table_pass;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -43,7 +45,9 @@ use crate::shadow::plan::{Plan, Scope, Seen};
 use crate::timing::PassTimer;
 use crate::{Gpu, GpuError, shaders};
 use pass::{Batch, FindPass, MOST_LIGHTS};
+pub(crate) use table_pass::TablePass;
 use tables::Tables;
+pub(crate) use tables::{Displaced, Table, position_entries, position_ranges};
 
 /// Everything that is kept from frame to frame.
 #[derive(Debug)]
@@ -71,7 +75,7 @@ impl BasicFinder {
         uploaded: &ShadowCasters,
         may_sum: bool,
     ) -> Result<Self, GpuError> {
-        let tables = Tables::new(gpu, casters, may_sum)?;
+        let tables = Tables::new(gpu, casters, uploaded.displaced(), may_sum)?;
         let pass = FindPass::new(gpu);
         Ok(Self { pass, tables, may_sum, moves: uploaded.moves(), batches: Vec::new(), light_count: 0, failure: None })
     }
@@ -96,8 +100,8 @@ impl BasicFinder {
     fn make_room(&mut self, gpu: &Gpu, casters: &[Caster], uploaded: &ShadowCasters) -> Result<(), GpuError> {
         if self.moves != uploaded.moves() {
             self.moves = uploaded.moves();
-            if !self.tables.update(gpu, casters) {
-                self.tables = Tables::new(gpu, casters, self.may_sum)?;
+            if !self.tables.update(gpu, casters, uploaded.displaced()) {
+                self.tables = Tables::new(gpu, casters, uploaded.displaced(), self.may_sum)?;
                 self.batches.clear();
             }
         }

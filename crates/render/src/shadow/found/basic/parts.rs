@@ -31,6 +31,15 @@ pub(super) fn parts(caster: &Caster) -> Vec<Part> {
     parts
 }
 
+/// As [`parts`], wherever the vertices are.
+pub(super) fn parts_anywhere(caster: &Caster) -> Vec<Part> {
+    let convex = vec![false; caster.topology.components().len()];
+    let mut whole: Vec<u32> = (0..caster.mesh.triangles().len() as u32).collect();
+    let mut parts = Vec::new();
+    split(caster, &convex, &mut whole, &mut parts);
+    parts
+}
+
 /// Whether `parts`, of `caster` before it moved, overlap themselves no more often than was found then.
 pub(super) fn still_holds(caster: &Caster, parts: &[Part]) -> bool {
     // No triangle is in more than itself, wherever it is.

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use umbrae_core::{Camera, LightPosition};
 use wgpu::util::DeviceExt as _;
 
+use super::table_pass::{TablePass, bind, layout};
 use super::tables::{Entry, Table, Tables};
-use crate::passes::pipeline_layout;
 use crate::timing::PassTimer;
 use crate::{Gpu, GpuError, shaders};
 
@@ -50,11 +50,9 @@ pub(super) struct FoundInUniform {
 /// - needs: nothing beyond WebGL2
 #[derive(Debug)]
 pub(super) struct FindPass {
-    of_triangles: wgpu::BindGroupLayout,
-    of_edges: wgpu::BindGroupLayout,
+    coefficients: TablePass,
+    multiplicities: TablePass,
     of_volumes: wgpu::BindGroupLayout,
-    coefficients: wgpu::RenderPipeline,
-    multiplicities: wgpu::RenderPipeline,
 }
 
 /// Up to [`MOST_LIGHTS`] lights for which silhouettes are found together, and what was found.
@@ -131,38 +129,10 @@ impl Batch {
 
 impl FindPass {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        let fragment = wgpu::ShaderStages::FRAGMENT;
-        let of_triangles = layout(gpu, "silhouettes, triangles", fragment, &[0], &[2, 3, 4]);
-        let of_edges = layout(gpu, "silhouettes, edges", fragment, &[0, 1], &[5, 6, 7]);
         let module = shaders::find_basic(&gpu.device);
-        let pipeline = |label, layout, entry_point| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(label),
-                layout: Some(&pipeline_layout(gpu, label, &[Some(layout)])),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vs_table"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(Table::FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
         Self {
-            coefficients: pipeline("coefficients", &of_triangles, "fs_coefficients"),
-            multiplicities: pipeline("multiplicities", &of_edges, "fs_multiplicities"),
-            of_triangles,
-            of_edges,
+            coefficients: TablePass::new(gpu, &module, "fs_coefficients", &[0], &[2, 3, 4]),
+            multiplicities: TablePass::new(gpu, &module, "fs_multiplicities", &[0, 1], &[5, 6, 7]),
             of_volumes: volume_layout(gpu),
         }
     }
@@ -181,11 +151,10 @@ impl FindPass {
         };
         let lights = uniform_buffer(gpu, "lights of silhouettes", bytemuck::bytes_of(&uniform));
         let components = Table::new(gpu, "caster components", tables.component_boxes.len())?;
-        let of_triangles = bind(
+        let of_triangles = self.coefficients.group(
             gpu,
-            &self.of_triangles,
             &[(0, &lights)],
-            &[(2, &tables.triangles), (3, &components), (4, &tables.positions)],
+            &[(2, &tables.triangles.view), (3, &components.view), (4, &tables.positions.view)],
         );
         Ok(Batch {
             lights,
@@ -216,11 +185,10 @@ impl FindPass {
             let range = FoundLanesUniform { first_light, ..Zeroable::zeroed() };
             let range = uniform_buffer(gpu, "lights of multiplicities", bytemuck::bytes_of(&range));
             let multiplicities = Table::new(gpu, "multiplicities", tables.edge_count as usize)?;
-            let of_edges = bind(
+            let of_edges = self.multiplicities.group(
                 gpu,
-                &self.of_edges,
                 &[(0, &batch.lights), (1, &range)],
-                &[(5, &tables.edges), (6, &tables.incidences), (7, &batch.coefficients)],
+                &[(5, &tables.edges.view), (6, &tables.incidences.view), (7, &batch.coefficients.view)],
             );
             let of_volumes = |lane: u32| {
                 let number = first_light + lane;
@@ -231,11 +199,11 @@ impl FindPass {
                     &self.of_volumes,
                     &[(0, &found_in)],
                     &[
-                        (1, &tables.positions),
-                        (2, &tables.triangles),
-                        (3, &tables.edges),
-                        (4, &batch.coefficients),
-                        (5, &multiplicities),
+                        (1, &tables.positions.view),
+                        (2, &tables.triangles.view),
+                        (3, &tables.edges.view),
+                        (4, &batch.coefficients.view),
+                        (5, &multiplicities.view),
                     ],
                 )
             };
@@ -253,79 +221,19 @@ impl FindPass {
         batch: &Batch,
         timer: &mut PassTimer,
     ) {
-        let (coefficients, group) = (&batch.coefficients, &batch.of_triangles);
-        fill(encoder, coefficients, &self.coefficients, group, ("coefficients", timer));
+        let to = &batch.coefficients.view;
+        self.coefficients.draw(encoder, to, &batch.of_triangles, ("coefficients", timer));
         let used = (batch.staged.lights.count as usize).div_ceil(lights_in_texel(tables));
         for lanes in &batch.lanes[..used] {
-            let (multiplicities, group) = (&lanes.multiplicities, &lanes.of_edges);
-            fill(encoder, multiplicities, &self.multiplicities, group, ("multiplicities", timer));
+            let to = &lanes.multiplicities.view;
+            self.multiplicities.draw(encoder, to, &lanes.of_edges, ("multiplicities", timer));
         }
     }
-}
-
-/// Runs a fragment for each entry of `to`.
-fn fill(
-    encoder: &mut wgpu::CommandEncoder,
-    to: &Table,
-    pipeline: &wgpu::RenderPipeline,
-    group: &wgpu::BindGroup,
-    (label, timer): (&str, &mut PassTimer),
-) {
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &to.view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-        })],
-        timestamp_writes: timer.writes(label.to_owned()),
-        ..wgpu::RenderPassDescriptor::default()
-    });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, group, &[]);
-    pass.draw(0..3, 0..1);
 }
 
 /// Group 2 of `found_basic_volume.wgsl`.
 pub(super) fn volume_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     layout(gpu, "volumes found in textures", wgpu::ShaderStages::VERTEX, &[0], &[1, 2, 3, 4, 5])
-}
-
-/// A group of uniforms and tables, by binding.
-fn layout(
-    gpu: &Gpu,
-    label: &str,
-    visibility: wgpu::ShaderStages,
-    uniforms: &[u32],
-    tables: &[u32],
-) -> wgpu::BindGroupLayout {
-    let entry = |ty| move |&binding: &u32| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let table = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Uint,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let entries: Vec<_> = uniforms.iter().map(entry(uniform)).chain(tables.iter().map(entry(table))).collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-}
-
-fn bind(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    uniforms: &[(u32, &wgpu::Buffer)],
-    tables: &[(u32, &Table)],
-) -> wgpu::BindGroup {
-    let uniforms = uniforms.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding()));
-    let tables = tables.iter().map(|&(binding, table)| (binding, wgpu::BindingResource::TextureView(&table.view)));
-    let entries: Vec<_> =
-        uniforms.chain(tables).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("silhouettes"), layout, entries: &entries })
 }
 
 fn uniform_buffer(gpu: &Gpu, label: &str, contents: &[u8]) -> wgpu::Buffer {

@@ -5,35 +5,35 @@ use std::ops::Range;
 use glam::Vec3;
 use umbrae_core::{Bounds, Camera, Caster, Counting, LightPosition};
 
-use super::parts::{Part, parts, still_holds};
+use super::parts::{Part, parts, parts_anywhere, still_holds};
 use crate::{Gpu, GpuError};
 
 /// Entries in a row; `found_tables.wgsl` has its logarithm. No device has textures narrower.
 const WIDTH: u32 = 2048;
 
 /// What a texel holds. Integers, also where they are the bits of floats: every device can draw into these, WebGL2 not into floats.
-pub(super) type Entry = [u32; 4];
+pub(crate) type Entry = [u32; 4];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
 /// Parts have sides between them, and the stencil is folded after each: with more, a float target is less work, where there may be one.
 const MOST_PARTS: usize = 4;
 
 /// Entries in a texture, row by row.
-#[derive(Debug)]
-pub(super) struct Table {
-    pub(super) texture: wgpu::Texture,
-    pub(super) view: wgpu::TextureView,
+#[derive(Debug, Clone)]
+pub(crate) struct Table {
+    pub(crate) texture: wgpu::Texture,
+    pub(crate) view: wgpu::TextureView,
 }
 
 impl Table {
-    pub(super) const FORMAT: wgpu::TextureFormat = FORMAT;
+    pub(crate) const FORMAT: wgpu::TextureFormat = FORMAT;
 
     /// A table of `len` entries, all 0.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] when there are more than a texture of the device has rows for: 4 million with WebGL2's 2048.
-    pub(super) fn new(gpu: &Gpu, label: &str, len: usize) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, label: &str, len: usize) -> Result<Self, GpuError> {
         let row_bytes = u64::from(WIDTH) * size_of::<Entry>() as u64;
         let rows = (len as u64).div_ceil(u64::from(WIDTH)).max(1);
         let allowed_rows = u64::from(gpu.device.limits().max_texture_dimension_2d);
@@ -59,14 +59,19 @@ impl Table {
     }
 
     /// A table of `entries`.
-    fn of(gpu: &Gpu, label: &str, entries: &[Entry]) -> Result<Self, GpuError> {
+    pub(crate) fn of(gpu: &Gpu, label: &str, entries: &[Entry]) -> Result<Self, GpuError> {
         let table = Self::new(gpu, label, entries.len())?;
         table.write(gpu, entries);
         Ok(table)
     }
 
+    /// How many entries there is room for.
+    pub(crate) fn len(&self) -> usize {
+        (self.texture.width() * self.texture.height()) as usize
+    }
+
     /// Uploads the first entries.
-    pub(super) fn write(&self, gpu: &Gpu, entries: &[Entry]) {
+    pub(crate) fn write(&self, gpu: &Gpu, entries: &[Entry]) {
         let whole_rows = entries.len() / WIDTH as usize;
         let (rows, rest) = entries.split_at(whole_rows * WIDTH as usize);
         for (entries, y, width, height) in
@@ -163,6 +168,7 @@ pub(super) struct Tables {
     pub(super) incidences: Table,
     pub(super) component_boxes: Vec<ComponentBox>,
     pub(super) casters: Vec<CasterTables>,
+    is_displaced: bool,
     pub(super) triangle_count: u32,
     pub(super) edge_count: u32,
     /// Bits that hold any edge's multiplicity, with its sign.
@@ -170,26 +176,41 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Uploads `casters`: 16 bytes for each vertex and triangle, and about 28 for each edge. With `may_sum`, casters that would be in more than
-    /// [`MOST_PARTS`] parts are in one.
+    /// Uploads `casters`: 16 bytes for each vertex and triangle, and 32 for each edge of up to three triangles. With `may_sum`, casters that would be in more than
+    /// [`MOST_PARTS`] parts are in one. What is `displaced` has its positions there.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] as for [`Table::new`].
-    pub(super) fn new(gpu: &Gpu, casters: &[Caster], may_sum: bool) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        casters: &[Caster],
+        displaced: Option<&Displaced>,
+        may_sum: bool,
+    ) -> Result<Self, GpuError> {
         let mut lists = Lists::default();
-        let ranges: Vec<CasterTables> = casters.iter().map(|caster| lists.add(caster, may_sum)).collect();
+        let ranges = position_ranges(casters);
+        let position_count = ranges.last().map_or(0, |range| range.end);
+        let is_displaced = |i: usize| displaced.is_some_and(|displaced| displaced.casters[i]);
+        let partition = |i: usize| {
+            let parts = if is_displaced(i) { parts_anywhere(&casters[i]) } else { parts(&casters[i]) };
+            if may_sum && parts.len() > MOST_PARTS { vec![Part::whole(&casters[i])] } else { parts }
+        };
+        let ranges: Vec<CasterTables> =
+            ranges.into_iter().enumerate().map(|(i, range)| lists.add(&casters[i], range, partition(i))).collect();
         // Bits are wanted for both signs.
-        let most = lists.edges.iter().map(|edge| edge[3]).max().unwrap_or(0);
-        let lane_bits = [4, 8, 16].into_iter().find(|bits| most < 1 << (bits - 1)).unwrap_or(32);
-        let incidences: Vec<Entry> = lists.incidences.chunks(4).map(entry_of).collect();
+        let lane_bits = [4, 8, 16].into_iter().find(|bits| lists.most_on_edge < 1 << (bits - 1)).unwrap_or(32);
         let tables = Self {
-            positions: Table::new(gpu, "caster positions", lists.position_count as usize)?,
+            positions: match displaced {
+                Some(displaced) => displaced.positions.clone(),
+                None => Table::new(gpu, "caster positions", position_count as usize)?,
+            },
             triangles: Table::of(gpu, "caster triangles", &lists.triangles)?,
             edges: Table::of(gpu, "caster edges", &lists.edges)?,
-            incidences: Table::of(gpu, "triangles on edges", &incidences)?,
-            component_boxes: component_boxes(casters),
+            incidences: Table::of(gpu, "triangles on edges", lists.incidences.as_chunks().0)?,
+            component_boxes: component_boxes(casters, displaced),
             casters: ranges,
+            is_displaced: displaced.is_some(),
             triangle_count: lists.triangles.len() as u32,
             edge_count: lists.edges.len() as u32,
             lane_bits,
@@ -200,39 +221,69 @@ impl Tables {
 
     /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of. Whether what is known of them still
     /// holds where they are now: else new tables are needed.
-    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster]) -> bool {
-        self.component_boxes = component_boxes(casters);
+    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster], displaced: Option<&Displaced>) -> bool {
+        if displaced.is_some() != self.is_displaced {
+            return false;
+        }
+        self.component_boxes = component_boxes(casters, displaced);
         self.write_positions(gpu, casters);
         casters.iter().zip(&self.casters).all(|(caster, tables)| still_holds(caster, &tables.partition))
     }
 
     fn write_positions(&self, gpu: &Gpu, casters: &[Caster]) {
-        let mut entries = Vec::new();
-        for (caster, tables) in casters.iter().zip(&self.casters) {
-            let middle = tables.positions.start - 1;
-            let entry = |p: Vec3| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), middle];
-            entries.push(entry(caster.bounds.center().as_vec3()));
-            entries.extend(caster.positions.iter().map(|&p| entry(p)));
+        if !self.is_displaced {
+            self.positions.write(gpu, &position_entries(casters, |_| false));
         }
-        self.positions.write(gpu, &entries);
     }
+}
+
+/// Where the vertices of casters are in a table of positions; before each caster's is the middle of its box.
+pub(crate) fn position_ranges(casters: &[Caster]) -> Vec<Range<u32>> {
+    let mut end = 0;
+    let range = |caster: &Caster| {
+        let start = end + 1;
+        end = start + caster.positions.len() as u32;
+        start..end
+    };
+    casters.iter().map(range).collect()
+}
+
+/// The table: three bit patterns of `f32`, and, for vertices of those casters of which `is_numbered` says so, their number in the mesh and one more.
+pub(crate) fn position_entries(casters: &[Caster], is_numbered: impl Fn(usize) -> bool) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for (i, caster) in casters.iter().enumerate() {
+        let is_numbered = is_numbered(i);
+        let entry = |p: Vec3, number| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), number];
+        entries.push(entry(caster.bounds.center().as_vec3(), 0));
+        let numbered = caster.positions.iter().zip(1..);
+        entries.extend(numbered.map(|(&p, number)| entry(p, if is_numbered { number } else { 0 })));
+    }
+    entries
+}
+
+/// Positions that only the GPU knows.
+#[derive(Debug)]
+pub(crate) struct Displaced {
+    /// As [`position_entries`] has them.
+    pub(crate) positions: Table,
+    /// Those whose vertices are anywhere in their boxes.
+    pub(crate) casters: Vec<bool>,
 }
 
 /// The tables while they grow.
 #[derive(Debug, Default)]
 struct Lists {
-    position_count: u32,
     triangles: Vec<Entry>,
     edges: Vec<Entry>,
+    /// Words.
     incidences: Vec<u32>,
+    most_on_edge: u32,
     components: usize,
 }
 
 impl Lists {
-    fn add(&mut self, caster: &Caster, may_sum: bool) -> CasterTables {
+    fn add(&mut self, caster: &Caster, positions: Range<u32>, parts: Vec<Part>) -> CasterTables {
         let topology = &caster.topology;
-        let first_position = self.position_count + 1;
-        self.position_count = first_position + caster.positions.len() as u32;
         let components = self.components..self.components + topology.components().len();
         self.components = components.end;
         let is_solid = |t: usize| {
@@ -240,17 +291,13 @@ impl Lists {
             topology.components()[component].is_closed && !caster.role.is_see_through()
         };
 
-        let mut parts = parts(caster);
-        if may_sum && parts.len() > MOST_PARTS {
-            parts = vec![Part::whole(caster)];
-        }
         // Of each triangle: its part, and its number in the table.
         let mut places = vec![(0, 0); caster.mesh.triangles().len()];
         let mut tables = Vec::with_capacity(parts.len());
         for (p, part) in parts.iter().enumerate() {
             let first = self.triangles.len() as u32;
             for (&t, number) in part.triangles.iter().zip(first..) {
-                let [a, b, c] = caster.mesh.triangles()[t as usize].map(|i| first_position + i);
+                let [a, b, c] = caster.mesh.triangles()[t as usize].map(|i| positions.start + i);
                 let component = topology.component_of_triangle()[t as usize];
                 self.triangles.push([a, b, c, components.start as u32 + component]);
                 places[t as usize] = (p, number);
@@ -281,29 +328,32 @@ impl Lists {
                 _ => tables[part].edges.push(EdgeRun { edges: number..number + 1, copies }),
             }
             let edge = topology.edges()[e];
-            let first_incidence = self.incidences.len() as u32;
+            let incidences = (self.incidences.len() / 4) as u32;
             let of_part = topology.triangles_on_edge(e).filter(|&(t, _)| places[t].0 == part);
+            self.incidences.push(copies.every);
             self.incidences.extend(of_part.map(|(t, direction)| places[t].1 << 1 | u32::from(direction < 0)));
-            self.edges.push([first_position + edge.low, first_position + edge.high, first_incidence, copies.every]);
+            self.incidences.resize(self.incidences.len().next_multiple_of(4), 0);
+            self.most_on_edge = self.most_on_edge.max(copies.every);
+            self.edges.push([positions.start + edge.low, positions.start + edge.high, incidences, positions.start - 1]);
         }
-        CasterTables { positions: first_position..self.position_count, parts: tables, components, partition: parts }
+        CasterTables { positions, parts: tables, components, partition: parts }
     }
 }
 
-fn entry_of(four: &[u32]) -> Entry {
-    std::array::from_fn(|i| four.get(i).copied().unwrap_or(0))
-}
-
 /// For each component of each caster, in order.
-fn component_boxes(casters: &[Caster]) -> Vec<ComponentBox> {
+fn component_boxes(casters: &[Caster], displaced: Option<&Displaced>) -> Vec<ComponentBox> {
     let mut boxes = Vec::new();
-    for caster in casters {
+    for (i, caster) in casters.iter().enumerate() {
+        let is_displaced = displaced.is_some_and(|displaced| displaced.casters[i]);
         let first = boxes.len();
         boxes.extend(caster.topology.components().iter().map(|component| ComponentBox {
-            bounds: Bounds::EMPTY,
+            bounds: if is_displaced { caster.bounds } else { Bounds::EMPTY },
             of_caster: caster.bounds,
             is_solid: component.is_closed && !caster.role.is_see_through(),
         }));
+        if is_displaced {
+            continue;
+        }
         for (t, &component) in caster.topology.component_of_triangle().iter().enumerate() {
             let bounds = &mut boxes[first + component as usize].bounds;
             *bounds = caster.corners(t).into_iter().map(Vec3::as_dvec3).fold(*bounds, Bounds::including);

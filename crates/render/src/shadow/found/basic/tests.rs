@@ -12,6 +12,7 @@ use super::pass::{
     Batch, FindPass, FoundInUniform, FoundLanesUniform, FoundLightsUniform, MOST_LIGHTS, lights_in_texel,
 };
 use super::tables::{Entry, PartTables, Table, Tables};
+use crate::displacement::NOT_MOVED;
 use crate::timing::PassTimer;
 use crate::uniforms::tests::wgsl_layout;
 use crate::{AdapterChoice, Gpu};
@@ -124,7 +125,7 @@ fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_
     let mut sides = 0;
     for (i, (name, casters)) in scenes(&mut random).into_iter().enumerate() {
         let may_sum = i % 2 == 1;
-        let tables = Tables::new(&gpu, &casters, may_sum).expect("small tables");
+        let tables = Tables::new(&gpu, &casters, None, may_sum).expect("small tables");
         let lights = lights(&mut random, &casters, MOST_LIGHTS);
         let found = find(&gpu, &pass, &tables, &camera(&mut random), &lights);
         let [coefficients, edges, triangles, incidences] =
@@ -142,7 +143,9 @@ fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_
                     let mut of_part = BTreeMap::new();
                     for run in &part.edges {
                         for e in run.edges.clone() {
-                            let [low, high, first, count] = edges[e as usize];
+                            let [low, high, first, middle] = edges[e as usize];
+                            assert_eq!(middle + 1, ranges.positions.start);
+                            let count = incidences[first as usize][0];
                             let m = found_of.multiplicity(e);
                             assert!(
                                 m.unsigned_abs() <= run.most_copies(found.is_facing(&tables, c, light)),
@@ -155,8 +158,8 @@ fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_
                                 None,
                                 "{name}: one entry for each edge of a part"
                             );
-                            let flat = |i: u32| incidences[i as usize / 4][i as usize % 4] >> 1;
-                            assert!((first..first + count).all(|i| part.triangles.contains(&flat(i))));
+                            let flat = |i: u32| incidences[(first + i / 4) as usize][i as usize % 4] >> 1;
+                            assert!((1..=count).all(|i| part.triangles.contains(&flat(i))));
                             sides += usize::from(m != 0);
                         }
                     }
@@ -197,7 +200,7 @@ fn coefficients_differ_from_the_cpus_only_where_a_triangle_is_edge_on_but_for_ro
     let mut random = Random(4);
     let (mut alike, mut differing) = (0, 0);
     for (name, casters) in scenes(&mut random) {
-        let tables = Tables::new(&gpu, &casters, false).expect("small tables");
+        let tables = Tables::new(&gpu, &casters, None, false).expect("small tables");
         let lights = lights(&mut random, &casters, MOST_LIGHTS);
         let camera = camera(&mut random);
         let found = find(&gpu, &pass, &tables, &camera, &lights);
@@ -272,8 +275,8 @@ fn a_table_with_more_rows_than_the_device_allows_is_refused_with_both_sizes() {
     assert!(text.contains(&(rows * 2048 * 16).to_string()), "{text}");
 }
 
-/// The sources of both modules as they are compiled, by name.
-pub(super) fn sources() -> [(&'static str, String); 2] {
+/// The sources of all modules as they are compiled, by name.
+pub(super) fn sources() -> [(&'static str, String); 3] {
     let tables = include_str!("../../../shaders/found_tables.wgsl");
     let find = [tables, include_str!("../../../shaders/find_basic.wgsl")].concat();
     let volume = [
@@ -283,12 +286,18 @@ pub(super) fn sources() -> [(&'static str, String); 2] {
         tables,
         include_str!("../../../shaders/found_basic_volume.wgsl"),
     ];
-    [("find_basic", find), ("found_basic_volume", volume.concat())]
+    let displace = [
+        tables,
+        include_str!("../../../shaders/flat_normal.wgsl"),
+        include_str!("../../../shaders/displace.wgsl"),
+        NOT_MOVED,
+    ];
+    [("find_basic", find), ("found_basic_volume", volume.concat()), ("displace", displace.concat())]
 }
 
 #[test]
 fn what_passes_are_told_has_the_same_bytes_in_rust_and_wgsl() {
-    let [(_, find), (_, volume)] = sources();
+    let [(_, find), (_, volume), _] = sources();
     let names = |source: &str, name: &str, size: usize| -> Vec<(String, usize)> {
         let (span, members) = wgsl_layout(source, name);
         assert_eq!(span, size, "size of {name}");
