@@ -20,7 +20,7 @@ use crate::sample::Sample;
 use crate::show::Mode;
 
 pub use self::light::LightArgs;
-pub use self::shadow::{LightMark, Method, ShadowArgs};
+pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouettes};
 
 /// Exact shadows of real models
 ///

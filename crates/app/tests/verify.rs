@@ -1,4 +1,4 @@
-//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods: no decided
+//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods, and by two with silhouettes from the GPU: no decided
 //! pixel is wrong, and leaving something out that can't change a pixel changes none, decided or not.
 //!
 //! Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name. Of the rules of culling, one is
@@ -16,7 +16,9 @@ use std::path::Path;
 use umbrae::output::png;
 use umbrae::verify::error_picture;
 use umbrae_core::{Camera, Judgement, Light, Oracle};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Mask, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, Look, Mask, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+};
 
 use self::subjects::{Source, Subject, sources};
 
@@ -124,8 +126,14 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
             line.needed_zfail +=
                 usize::from(auto.light.casters.iter().any(|c| c.case().is_some_and(|case| case.number() > 1)));
             line.compare(&auto, judgements, &format!("{place}, auto"));
-            for (name, method) in [("z-fail", Method::ZFail), ("eye count", Method::EyeCount)] {
-                line.compare(&draw(ShadowOptions::from(method)), judgements, &format!("{place}, {name}"));
+            let found = |method: Method| ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..method.into() };
+            for (name, shadows) in [
+                ("z-fail", ShadowOptions::from(Method::ZFail)),
+                ("eye count", Method::EyeCount.into()),
+                ("auto, found on the GPU", found(Method::Auto)),
+                ("z-fail, found on the GPU", found(Method::ZFail)),
+            ] {
+                line.compare(&draw(shadows), judgements, &format!("{place}, {name}"));
             }
             for (rule, shadows) in rules_off.next() {
                 line.compare_rule(&auto, &draw(shadows), judgements, &format!("{place}, {rule}"));

@@ -65,7 +65,9 @@ pub enum GpuError {
         reason: String,
     },
     /// The device can't find silhouettes in the way that was asked for.
-    #[error("{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU")]
+    #[error(
+        "{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU (--silhouettes cpu)"
+    )]
     NoSilhouettes {
         /// The adapter's label.
         adapter: String,

@@ -17,7 +17,7 @@ use umbrae_core::{
     Camera, Caster, Chain, Counting, Light, LightPosition, Material, Mesh, Object, Scene, ShadowVolume, Surface,
     Windings, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource};
 
 const CENTER: DVec3 = DVec3::new(0.0, 0.0, 8.0);
 /// The largest first, so that the eye can be in the volumes of the first few only.
@@ -132,7 +132,11 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
                 let shot =
                     Shot { shadows: ShadowOptions::from(method), ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let counts = pollster::block_on(renderer.counts(&shot, &lamp)).unwrap();
-                let mask = pollster::block_on(renderer.mask(&shot, &lamp)).unwrap();
+                let mask_by = |silhouettes| {
+                    let shot = Shot { shadows: ShadowOptions { silhouettes, ..shot.shadows }, ..shot };
+                    pollster::block_on(renderer.mask(&shot, &lamp)).unwrap().verdicts
+                };
+                let masks = [SilhouetteSource::Cpu, SilhouetteSource::Gpu].map(mask_by);
                 // From the eye, only what is between it and the pixel is counted.
                 let missed = if method == Method::ZPass { volumes as i32 } else { 0 };
                 let what =
@@ -143,8 +147,9 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
                         continue;
                     };
                     assert_eq!(counts[pixel], expected - missed, "{what}, {point:?}");
-                    let is_lit = mask.verdicts[pixel] == 255;
-                    assert_eq!(is_lit, expected == missed, "{what}, {point:?}");
+                    for mask in &masks {
+                        assert_eq!(mask[pixel] == 255, expected == missed, "{what}, {point:?}");
+                    }
                     seen[expected as usize] += 1;
                 }
                 assert!(seen[..=ball_count].iter().all(|&pixels| pixels > 20), "{what}: {seen:?}");

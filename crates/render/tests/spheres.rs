@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Sphere, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, LightMark, Look, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, LightMark, Look, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+};
 
 const SIZE_PX: [u32; 2] = [192, 144];
 /// Half of the floor's side.
@@ -136,8 +138,10 @@ fn every_decided_pixel_is_right_from_outside_in_the_shadow_close_and_inside() {
             let judgements = oracle.judge(&camera, std::slice::from_ref(&light), || ()).remove(0);
             let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
             let options = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
+            let of_cpu = options.into_iter().chain(ShadowOptions::default().each_rule_off());
+            let of_gpu = |(name, options)| (name, ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
             let mut cases = Vec::new();
-            for (rule, shadows) in options.into_iter().chain(ShadowOptions::default().each_rule_off()) {
+            for (rule, shadows) in of_cpu.clone().chain(of_cpu.map(of_gpu)) {
                 let shot = Shot { shadows, spheres: &balls, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, &light)).unwrap();
                 let wrong: Vec<usize> = (judged.iter().zip(&mask.verdicts).enumerate())

@@ -5,6 +5,16 @@ use umbrae_render::{ShadowOptions, SilhouetteSource};
 
 use crate::cast::{CastChoice, Pattern};
 
+/// Where silhouettes are found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub enum Silhouettes {
+    /// Light by light, in double precision
+    #[default]
+    Cpu,
+    /// By compute shaders, for all lights at once; the report can't tell what only the GPU knows
+    Gpu,
+}
+
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Method {
@@ -51,6 +61,10 @@ pub struct ShadowArgs {
     /// How shadow volumes are counted
     #[arg(long, default_value = "auto")]
     method: Method,
+
+    /// Where silhouettes are found; changes no picture, only its cost
+    #[arg(long, value_name = "WHERE", default_value = "cpu", hide_short_help = true)]
+    silhouettes: Silhouettes,
 
     /// How pixels that a light can't change are kept out of counting; changes no picture, only its cost
     #[arg(long, value_name = "KIND", default_value = "exact", hide_short_help = true, help_heading = WORTH)]
@@ -110,7 +124,10 @@ impl ShadowArgs {
     pub fn options(&self) -> ShadowOptions {
         ShadowOptions {
             method: self.method.into(),
-            silhouettes: SilhouetteSource::Cpu,
+            silhouettes: match self.silhouettes {
+                Silhouettes::Cpu => SilhouetteSource::Cpu,
+                Silhouettes::Gpu => SilhouetteSource::Gpu,
+            },
             cull_lights: !(self.no_cull || self.no_light_cull),
             cull_unreached: !(self.no_cull || self.no_reach_cull),
             cull_unseen: !(self.no_cull || self.no_view_cull),
@@ -185,6 +202,13 @@ mod tests {
     fn options(line: &str) -> ShadowOptions {
         let words = std::iter::once("umbrae").chain(line.split_whitespace());
         Line::try_parse_from(words).expect(line).shadows.options()
+    }
+
+    #[test]
+    fn silhouettes_are_found_where_one_says() {
+        let on_gpu = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::default() };
+        assert_eq!(options("--silhouettes gpu"), on_gpu);
+        assert_eq!(options("--silhouettes cpu"), ShadowOptions::default());
     }
 
     #[test]

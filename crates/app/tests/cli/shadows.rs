@@ -52,6 +52,8 @@ fn no_switch_changes_what_is_lit() {
         &["--no-light-mark"],
         &["--light-mark", "exact"],
         &["--light-mark", "select"],
+        &["--silhouettes", "gpu"],
+        &["--silhouettes", "gpu", "--method", "zfail"],
         &["--method", "zfail"],
         &["--method", "eye-count"],
         &["--no-cull", "--no-scissor", "--no-light-mark", "--method", "zfail"],
@@ -61,6 +63,24 @@ fn no_switch_changes_what_is_lit() {
         assert!(mask == expected, "{switch:?} changes the mask");
         assert!(report["lights"].as_array().is_some_and(|lights| lights.len() == 3));
     }
+}
+
+#[test]
+fn the_report_leaves_out_what_only_the_gpu_knows() {
+    let place = Place::new();
+    let (report, _) = determined(&place, &[&LIGHTS[..], &["--silhouettes", "gpu"]].concat());
+    let lights = report["lights"].as_array().expect("a list");
+    let casters = lights.iter().flat_map(|light| light["casters"].as_array().expect("a list"));
+    let (mut drawn, mut left_out) = (0, 0);
+    for caster in casters {
+        let is_known = caster["fate"] != "drawn" || caster["kind"] == "sphere";
+        for key in ["silhouette_edges", "triangles", "chain_triangles"] {
+            assert_eq!(caster.get(key).is_some(), is_known, "{key} of {caster}");
+        }
+        drawn += usize::from(!is_known);
+        left_out += usize::from(is_known);
+    }
+    assert!(drawn > 0 && left_out > 0);
 }
 
 #[test]

@@ -160,7 +160,8 @@ impl Shadows {
         ShadowView { seen: Seen::new(camera, casters, spheres), uniform, group }
     }
 
-    /// The volumes of `casters`, uploaded as `uploaded`, under `light`.
+    /// The volumes of `casters`, uploaded as `uploaded`, under `light`. Silhouettes are found on the CPU, whatever `options` say;
+    /// [`Shadows::finder`] is for the GPU.
     ///
     /// # Errors
     ///

@@ -212,7 +212,8 @@ pub(super) fn job(
 fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPosition) -> u32 {
     let triangles = caster.mesh.triangles().len() as u32;
     let is_closed = caster.topology.components().iter().all(|component| component.is_closed);
-    let slack = DVec3::splat(job.slack_m.into());
+    // Twice, so that what is clear here is clear to the device too, which rounds.
+    let slack = 2.0 * DVec3::splat(job.slack_m.into());
     let widened = Bounds { min: caster.bounds.min - slack, max: caster.bounds.max + slack };
     let is_at_light = !light.is_directional() && widened.meets(&Bounds::of_points([light.homogeneous().truncate()]));
     let is_at_eye = widened.meets(&Bounds::of_points(camera.near_rectangle()));
