@@ -216,10 +216,14 @@ impl Plan {
         self.summed.sort_unstable_by_key(FoundDraw::order);
     }
 
+    /// Whether there is a batch with room for volumes that overlap so many times.
+    pub(super) fn has_room(&self, overlaps: u32) -> bool {
+        self.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS)
+    }
+
     /// A batch with room for volumes that overlap so many times, which is made if need be.
     pub(super) fn batch_for(&mut self, overlaps: u32) -> &mut Batch {
-        let has_room = self.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS);
-        if !has_room {
+        if !self.has_room(overlaps) {
             let end = self.found.len();
             self.batches.push(Batch { found: end..end, ..Batch::default() });
         }

@@ -1,8 +1,8 @@
 //! What is told from boxes on the CPU before silhouettes are found on the GPU: which casters matter to a light, how each may be counted, and what
 //! must be drawn of it. Nothing here looks at a triangle.
 //!
-//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times, else by addition in a float
-//! target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
+//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times and there are few such, else by
+//! addition in a float target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
 
 use glam::DVec3;
 use umbrae_core::{Bounds, Camera, Case, Caster, LightPosition, PixelRect};
@@ -125,6 +125,9 @@ const EDGE_ON: f64 = 4e-7;
 /// What `core/src/winding.rs` widens by, and as much again for reasoning in `f32` about the widened.
 const SLACK: f64 = 8e-6;
 
+/// With more batches than this, a float target for the rest costs less than a look at every pixel between each two.
+const MOST_BATCHES: usize = 3;
+
 /// Adds to `jobs` those of `light`, which is number `number` and for which `plan` was started, and to `plan` what is drawn of them.
 pub(super) fn add(
     jobs: &mut Vec<Job>,
@@ -147,7 +150,7 @@ pub(super) fn add(
         let job = Job { caster: i as u32, light: number, ..job };
         let most_overlaps = most_overlaps(caster, &job, &seen.camera, light);
         let amounts = |_, count| std::iter::once(Amount::Found(count));
-        add_draws(plan, &job, jobs.len() as u32, most_overlaps, rect, amounts);
+        add_draws(plan, (&job, jobs.len() as u32), (most_overlaps, true), rect, amounts);
         plan.casters.push(report(&job, options, rect));
         jobs.push(job);
     }
@@ -222,16 +225,16 @@ fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPositi
 }
 
 /// Adds to `plan` what is drawn of `job`, as number `number`, where its volume, or this part of it, overlaps itself at most so many times; `amounts`
-/// are those of a shape.
+/// are those of a shape. Without `may_sum`, the stencil must count all.
 pub(super) fn add_draws<I: Iterator<Item = Amount>>(
     plan: &mut Plan,
-    job: &Job,
-    number: u32,
-    most_overlaps: u32,
+    (job, number): (&Job, u32),
+    (most_overlaps, may_sum): (u32, bool),
     rect: PixelRect,
     amounts: impl Fn(Shape, Count) -> I,
 ) {
-    let fits_stencil = most_overlaps <= MOST_OVERLAPS;
+    let has_batch = !may_sum || plan.batches.len() < MOST_BATCHES || plan.has_room(most_overlaps);
+    let fits_stencil = most_overlaps <= MOST_OVERLAPS && has_batch;
     if fits_stencil {
         plan.batch_for(most_overlaps);
     }

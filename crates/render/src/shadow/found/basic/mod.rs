@@ -35,6 +35,9 @@ mod tables;
 mod tests;
 mod volumes;
 
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
 use umbrae_core::{Camera, Caster, Light};
 
 use super::DrawnWith;
@@ -55,6 +58,10 @@ pub(super) struct BasicFinder {
     pass: FindPass,
     tables: Tables,
     may_sum: bool,
+    /// Of [`ShadowCasters`].
+    vertices: wgpu::Buffer,
+    /// The first near vertex of each caster that something else may have moved there, and its place in the table of positions.
+    copies: Vec<(u32, Range<u32>)>,
     /// [`ShadowCasters::moves`] when the tables were filled.
     moves: u64,
     batches: Vec<Batch>,
@@ -75,9 +82,20 @@ impl BasicFinder {
         uploaded: &ShadowCasters,
         may_sum: bool,
     ) -> Result<Self, GpuError> {
-        let tables = Tables::new(gpu, casters, uploaded.displaced(), may_sum)?;
+        let tables = Tables::new(gpu, casters, (shared_positions(uploaded), are_anywhere(uploaded)), may_sum)?;
         let pass = FindPass::new(gpu);
-        Ok(Self { pass, tables, may_sum, moves: uploaded.moves(), batches: Vec::new(), light_count: 0, failure: None })
+        let vertices = uploaded.vertices.clone();
+        Ok(Self {
+            pass,
+            tables,
+            vertices,
+            copies: Vec::new(),
+            may_sum,
+            moves: uploaded.moves(),
+            batches: Vec::new(),
+            light_count: 0,
+            failure: None,
+        })
     }
 
     /// Begins a frame: tells from boxes how components count for `lights`, rounded as shaders see them. What does not fit on the device is told by
@@ -100,9 +118,18 @@ impl BasicFinder {
     fn make_room(&mut self, gpu: &Gpu, casters: &[Caster], uploaded: &ShadowCasters) -> Result<(), GpuError> {
         if self.moves != uploaded.moves() {
             self.moves = uploaded.moves();
-            if !self.tables.update(gpu, casters, uploaded.displaced()) {
-                self.tables = Tables::new(gpu, casters, uploaded.displaced(), self.may_sum)?;
+            let (shared, are_anywhere) = (shared_positions(uploaded), are_anywhere(uploaded));
+            if !self.tables.update(gpu, casters, (shared, &are_anywhere)) {
+                self.tables = Tables::new(gpu, casters, (shared, are_anywhere), self.may_sum)?;
                 self.batches.clear();
+            }
+        }
+        self.copies.clear();
+        if shared_positions(uploaded).is_none() {
+            for (i, (block, tables)) in uploaded.blocks.iter().zip(&self.tables.casters).enumerate() {
+                if moves_in_buffer(uploaded, i) {
+                    self.copies.push((block.first_vertex + block.near(0), tables.positions.clone()));
+                }
             }
         }
         while self.batches.len() * MOST_LIGHTS < self.light_count {
@@ -132,7 +159,7 @@ impl BasicFinder {
         let (batch, l) = self.place_of(number as usize);
         let is_facing = |caster| batch.is_facing(&self.tables, caster, l);
         let casters = (casters, uploaded, self.tables.casters.as_slice());
-        volumes::add(plan, scope, casters, seen, (number, light.position), is_facing, options);
+        volumes::add(plan, scope, casters, seen, (number, light.position), is_facing, (options, self.may_sum));
     }
 
     /// Uploads what the frame began with.
@@ -149,6 +176,9 @@ impl BasicFinder {
     }
 
     pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+        for (vertex, range) in &self.copies {
+            self.tables.positions.copy(encoder, &self.vertices, *vertex, range.clone());
+        }
         for batch in self.batches_in_use() {
             self.pass.draw(encoder, &self.tables, batch, timer);
         }
@@ -166,6 +196,22 @@ impl BasicFinder {
     fn batches_in_use(&self) -> &[Batch] {
         &self.batches[..self.light_count.div_ceil(MOST_LIGHTS)]
     }
+}
+
+/// Positions that somebody else draws.
+fn shared_positions(uploaded: &ShadowCasters) -> Option<&Table> {
+    uploaded.displaced().map(|displaced| &displaced.positions)
+}
+
+/// For each caster, whether the CPU may know nothing but its box.
+fn are_anywhere(uploaded: &ShadowCasters) -> Vec<bool> {
+    let is_displaced = |i: usize| uploaded.displaced().is_some_and(|displaced| displaced.casters[i]);
+    (0..uploaded.blocks.len()).map(|i| is_displaced(i) || moves_in_buffer(uploaded, i)).collect()
+}
+
+/// Whether caster `i` may be elsewhere in the buffer of vertices than the CPU has it: on devices that compute, which [`crate::GpuPoser`] needs.
+fn moves_in_buffer(uploaded: &ShadowCasters, i: usize) -> bool {
+    uploaded.vertices.usage().contains(wgpu::BufferUsages::COPY_SRC) && uploaded.has_moved[i].load(Ordering::Relaxed)
 }
 
 /// Calls `make` with what draws volumes of tables.

@@ -65,6 +65,28 @@ impl Table {
         Ok(table)
     }
 
+    /// Records copying `range` from `buffer`, which has entries too, beginning with number `first`.
+    pub(super) fn copy(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        first: u32,
+        range: Range<u32>,
+    ) {
+        let mut at = range.start;
+        while at < range.end {
+            let (x, y) = (at % WIDTH, at / WIDTH);
+            let width = (WIDTH - x).min(range.end - at);
+            let offset = u64::from(first + at - range.start) * size_of::<Entry>() as u64;
+            let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row: None, rows_per_image: None };
+            let to =
+                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: 0 }, ..self.texture.as_image_copy() };
+            let size = wgpu::Extent3d { width, height: 1, depth_or_array_layers: 1 };
+            encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer, layout }, to, size);
+            at += width;
+        }
+    }
+
     /// How many entries there is room for.
     pub(crate) fn len(&self) -> usize {
         (self.texture.width() * self.texture.height()) as usize
@@ -168,7 +190,10 @@ pub(super) struct Tables {
     pub(super) incidences: Table,
     pub(super) component_boxes: Vec<ComponentBox>,
     pub(super) casters: Vec<CasterTables>,
-    is_displaced: bool,
+    /// Others fill `positions`.
+    are_positions_shared: bool,
+    /// Of which casters nothing but boxes is known.
+    are_anywhere: Vec<bool>,
     pub(super) triangle_count: u32,
     pub(super) edge_count: u32,
     /// Bits that hold any edge's multiplicity, with its sign.
@@ -177,7 +202,7 @@ pub(super) struct Tables {
 
 impl Tables {
     /// Uploads `casters`: 16 bytes for each vertex and triangle, and 32 for each edge of up to three triangles. With `may_sum`, casters that would be in more than
-    /// [`MOST_PARTS`] parts are in one. What is `displaced` has its positions there.
+    /// [`MOST_PARTS`] parts are in one. Positions may be those that others fill; and of casters that are anywhere, nothing but boxes is known.
     ///
     /// # Errors
     ///
@@ -185,15 +210,14 @@ impl Tables {
     pub(super) fn new(
         gpu: &Gpu,
         casters: &[Caster],
-        displaced: Option<&Displaced>,
+        (shared_positions, are_anywhere): (Option<&Table>, Vec<bool>),
         may_sum: bool,
     ) -> Result<Self, GpuError> {
         let mut lists = Lists::default();
         let ranges = position_ranges(casters);
         let position_count = ranges.last().map_or(0, |range| range.end);
-        let is_displaced = |i: usize| displaced.is_some_and(|displaced| displaced.casters[i]);
         let partition = |i: usize| {
-            let parts = if is_displaced(i) { parts_anywhere(&casters[i]) } else { parts(&casters[i]) };
+            let parts = if are_anywhere[i] { parts_anywhere(&casters[i]) } else { parts(&casters[i]) };
             if may_sum && parts.len() > MOST_PARTS { vec![Part::whole(&casters[i])] } else { parts }
         };
         let ranges: Vec<CasterTables> =
@@ -201,16 +225,17 @@ impl Tables {
         // Bits are wanted for both signs.
         let lane_bits = [4, 8, 16].into_iter().find(|bits| lists.most_on_edge < 1 << (bits - 1)).unwrap_or(32);
         let tables = Self {
-            positions: match displaced {
-                Some(displaced) => displaced.positions.clone(),
+            are_positions_shared: shared_positions.is_some(),
+            positions: match shared_positions {
+                Some(shared) => shared.clone(),
                 None => Table::new(gpu, "caster positions", position_count as usize)?,
             },
             triangles: Table::of(gpu, "caster triangles", &lists.triangles)?,
             edges: Table::of(gpu, "caster edges", &lists.edges)?,
             incidences: Table::of(gpu, "triangles on edges", lists.incidences.as_chunks().0)?,
-            component_boxes: component_boxes(casters, displaced),
+            component_boxes: component_boxes(casters, &are_anywhere),
             casters: ranges,
-            is_displaced: displaced.is_some(),
+            are_anywhere,
             triangle_count: lists.triangles.len() as u32,
             edge_count: lists.edges.len() as u32,
             lane_bits,
@@ -221,17 +246,23 @@ impl Tables {
 
     /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of. Whether what is known of them still
     /// holds where they are now: else new tables are needed.
-    pub(super) fn update(&mut self, gpu: &Gpu, casters: &[Caster], displaced: Option<&Displaced>) -> bool {
-        if displaced.is_some() != self.is_displaced {
+    pub(super) fn update(
+        &mut self,
+        gpu: &Gpu,
+        casters: &[Caster],
+        (shared_positions, are_anywhere): (Option<&Table>, &[bool]),
+    ) -> bool {
+        if shared_positions.is_some() != self.are_positions_shared || *are_anywhere != *self.are_anywhere {
             return false;
         }
-        self.component_boxes = component_boxes(casters, displaced);
+        self.component_boxes = component_boxes(casters, are_anywhere);
         self.write_positions(gpu, casters);
-        casters.iter().zip(&self.casters).all(|(caster, tables)| still_holds(caster, &tables.partition))
+        let mut known = casters.iter().zip(&self.casters).zip(are_anywhere).filter(|(_, is_anywhere)| !**is_anywhere);
+        known.all(|((caster, tables), _)| still_holds(caster, &tables.partition))
     }
 
     fn write_positions(&self, gpu: &Gpu, casters: &[Caster]) {
-        if !self.is_displaced {
+        if !self.are_positions_shared {
             self.positions.write(gpu, &position_entries(casters, |_| false));
         }
     }
@@ -341,17 +372,16 @@ impl Lists {
 }
 
 /// For each component of each caster, in order.
-fn component_boxes(casters: &[Caster], displaced: Option<&Displaced>) -> Vec<ComponentBox> {
+fn component_boxes(casters: &[Caster], are_anywhere: &[bool]) -> Vec<ComponentBox> {
     let mut boxes = Vec::new();
-    for (i, caster) in casters.iter().enumerate() {
-        let is_displaced = displaced.is_some_and(|displaced| displaced.casters[i]);
+    for (caster, &is_anywhere) in casters.iter().zip(are_anywhere) {
         let first = boxes.len();
         boxes.extend(caster.topology.components().iter().map(|component| ComponentBox {
-            bounds: if is_displaced { caster.bounds } else { Bounds::EMPTY },
+            bounds: if is_anywhere { caster.bounds } else { Bounds::EMPTY },
             of_caster: caster.bounds,
             is_solid: component.is_closed && !caster.role.is_see_through(),
         }));
-        if is_displaced {
+        if is_anywhere {
             continue;
         }
         for (t, &component) in caster.topology.component_of_triangle().iter().enumerate() {

@@ -125,7 +125,7 @@ fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_
     let mut sides = 0;
     for (i, (name, casters)) in scenes(&mut random).into_iter().enumerate() {
         let may_sum = i % 2 == 1;
-        let tables = Tables::new(&gpu, &casters, None, may_sum).expect("small tables");
+        let tables = Tables::new(&gpu, &casters, (None, vec![false; casters.len()]), may_sum).expect("small tables");
         let lights = lights(&mut random, &casters, MOST_LIGHTS);
         let found = find(&gpu, &pass, &tables, &camera(&mut random), &lights);
         let [coefficients, edges, triangles, incidences] =
@@ -200,7 +200,7 @@ fn coefficients_differ_from_the_cpus_only_where_a_triangle_is_edge_on_but_for_ro
     let mut random = Random(4);
     let (mut alike, mut differing) = (0, 0);
     for (name, casters) in scenes(&mut random) {
-        let tables = Tables::new(&gpu, &casters, None, false).expect("small tables");
+        let tables = Tables::new(&gpu, &casters, (None, vec![false; casters.len()]), false).expect("small tables");
         let lights = lights(&mut random, &casters, MOST_LIGHTS);
         let camera = camera(&mut random);
         let found = find(&gpu, &pass, &tables, &camera, &lights);

@@ -18,7 +18,7 @@ pub(super) fn add(
     seen: &Seen,
     (number, light): (u32, LightPosition),
     is_facing: impl Fn(usize) -> bool,
-    options: &ShadowOptions,
+    (options, may_sum): (&ShadowOptions, bool),
 ) {
     for (i, (caster, tables)) in casters.iter().zip(tables).enumerate() {
         let rect = match casting_rect(caster, &scope.culler, options, scope.rect) {
@@ -36,7 +36,7 @@ pub(super) fn add(
         let is_facing = is_facing(i);
         for part in &tables.parts {
             let amounts = |shape, _| amounts(part, shape, light.is_directional(), is_facing);
-            add_draws(plan, &job, number, part.most_overlaps, rect, amounts);
+            add_draws(plan, (&job, number), (part.most_overlaps, may_sum), rect, amounts);
         }
         let report = report(&job, options, rect);
         plan.casters.push(CasterReport { parts: tables.parts.len(), ..report });
