@@ -1,7 +1,5 @@
 //! Random soups on the GPU against rays: shared vertices, random windings, fans, the eye among the triangles.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 mod soup;
 
 use glam::Vec3;
