@@ -63,8 +63,8 @@ pub struct FoundShadows {
 /// Who finds.
 #[derive(Debug)]
 enum Finder {
-    Full(FullFinder),
-    Basic(BasicFinder),
+    Full(Box<FullFinder>),
+    Basic(Box<BasicFinder>),
 }
 
 /// A light with the buffers that are filled again in each frame.
@@ -122,9 +122,9 @@ impl Shadows {
     ) -> Result<FoundShadows, GpuError> {
         let finder = match source {
             SilhouetteSource::Cpu => panic!("what is found on the CPU is Shadows::light"),
-            SilhouetteSource::Gpu => Finder::Full(FullFinder::new(gpu, casters, uploaded)?),
+            SilhouetteSource::Gpu => Finder::Full(Box::new(FullFinder::new(gpu, casters, uploaded)?)),
             SilhouetteSource::GpuBasic => {
-                Finder::Basic(BasicFinder::new(gpu, casters, uploaded, self.may_sum_basic())?)
+                Finder::Basic(Box::new(BasicFinder::new(gpu, casters, uploaded, self.may_sum_basic())?))
             }
         };
         self.compile_found(gpu, source);
