@@ -88,9 +88,12 @@ impl GpuScene {
             }
         }
         draws.sort_by_key(|(_, finish)| finishes[*finish as usize].kind);
+        // Textures are copied over it by texels of 16 bytes.
+        let mut words: Vec<u32> = bytemuck::cast_slice(&surface).to_vec();
+        words.resize(words.len().next_multiple_of(4), 0);
         let surface = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("surface vertices"),
-            contents: bytemuck::cast_slice(&surface),
+            contents: bytemuck::cast_slice(&words),
             usage: gpu.caps.moving_vertices(),
         });
         gpu.unless_out_of_memory(Ok(Self {
@@ -115,6 +118,11 @@ impl GpuScene {
                 self.shadow_casters.give_finder(i, finder);
             }
         }
+    }
+
+    /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.
+    pub(crate) fn surface_words(&self, casters: &[Caster], materials: &[Material]) -> Vec<u32> {
+        bytemuck::cast_slice(&surface_vertices(casters, materials, &self.order).0).to_vec()
     }
 
     /// Uploads again where `casters` are; they must be those that this was made of, moved, and `materials` the same. As much as

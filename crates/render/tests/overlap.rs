@@ -111,11 +111,12 @@ fn gpu() -> Gpu {
 }
 
 /// Each method, and z-pass or z-fail wherever silhouettes are found.
-fn options() -> [ShadowOptions; 5] {
+fn options() -> impl Iterator<Item = ShadowOptions> {
     let of_cpu = [Method::Auto, Method::ZFail, Method::EyeCount].map(ShadowOptions::from);
-    let [auto, zfail, _] = of_cpu.map(|options| ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
-    let [a, b, c] = of_cpu;
-    [a, b, c, auto, zfail]
+    let found = [SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+    let found = found.map(|silhouettes| of_cpu.map(|options| ShadowOptions { silhouettes, ..options }));
+    let found = found.into_iter().flatten().filter(|options| options.method != Method::EyeCount);
+    of_cpu.into_iter().chain(found)
 }
 
 #[test]
@@ -165,7 +166,7 @@ fn check_pictures(renderer: &Renderer) {
         let casters = Caster::of_scene(&scene);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let look = Look::for_model(&scene.bounds(), &[lamp()]);
-        let sources = [SilhouetteSource::Auto, SilhouetteSource::Gpu];
+        let sources = [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
         let by_source = |camera| sources.map(|source| (camera, source));
         for (camera, silhouettes) in cameras()[..2].iter().flat_map(by_source) {
             let picture = |lights: &[Light]| {

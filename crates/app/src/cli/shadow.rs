@@ -13,6 +13,8 @@ pub enum Silhouettes {
     Cpu,
     /// By compute shaders, for all lights at once; the report can't tell what only the GPU knows
     Gpu,
+    /// In textures, for all lights at once, with no more than WebGL2 has; the report can't tell either
+    GpuBasic,
 }
 
 /// How volumes are counted.
@@ -127,6 +129,7 @@ impl ShadowArgs {
             silhouettes: match self.silhouettes {
                 Silhouettes::Cpu => SilhouetteSource::Auto,
                 Silhouettes::Gpu => SilhouetteSource::Gpu,
+                Silhouettes::GpuBasic => SilhouetteSource::GpuBasic,
             },
             cull_lights: !(self.no_cull || self.no_light_cull),
             cull_unreached: !(self.no_cull || self.no_reach_cull),
@@ -208,6 +211,8 @@ mod tests {
     fn silhouettes_are_found_where_one_says() {
         let on_gpu = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::default() };
         assert_eq!(options("--silhouettes gpu"), on_gpu);
+        let in_textures = ShadowOptions { silhouettes: SilhouetteSource::GpuBasic, ..on_gpu };
+        assert_eq!(options("--silhouettes gpu-basic"), in_textures);
         assert_eq!(options("--silhouettes cpu"), ShadowOptions::default());
     }
 

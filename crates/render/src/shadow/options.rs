@@ -47,7 +47,9 @@ pub enum SilhouetteSource {
     /// By compute shaders, all lights of a frame at once; nothing of a triangle is on the CPU, and nothing is read back.
     /// [`Method::EyeCount`] counts as [`Method::Auto`] does. Needs [`crate::Tier::Full`].
     Gpu,
-    /// By what WebGL2 has.
+    /// By render passes into textures of integers, all lights of a frame at once; needs nothing that WebGL2 lacks. z-fail is chosen from boxes
+    /// alone, so it draws more than [`SilhouetteSource::Gpu`], and each edge that might be on a silhouette goes through the vertex shader.
+    /// [`Method::EyeCount`] counts as [`Method::Auto`] does.
     GpuBasic,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, Vec3};
 use umbrae_core::{Material, Mesh, Object, Scene, Surface};
 
-use crate::random::Random;
+use super::random::Random;
 
 /// Two objects, each of 22 triangles: some at random on common vertices, a fan of ten on one edge, and a few twice.
 pub(crate) fn soup(random: &mut Random) -> Scene {
