@@ -1,4 +1,4 @@
-//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods: no decided
+//! Every real model and built-in scene, under five lights or its own, from three cameras, by three methods, and by two with silhouettes from the GPU: no decided
 //! pixel is wrong, and leaving something out that can't change a pixel changes none, decided or not.
 //!
 //! Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name. Of the rules of culling, one is
@@ -15,14 +15,20 @@ use std::path::Path;
 
 use umbrae::output::png;
 use umbrae::verify::error_picture;
-use umbrae_core::{Camera, Judgement, Light, Oracle};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Mask, Method, Renderer, ShadowOptions, Shot, compare};
+use umbrae_core::{Camera, FinderKind, Judgement, Light, Oracle};
+use umbrae_render::{
+    AdapterChoice, Gpu, GpuScene, Mask, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+};
 
 use self::subjects::{Source, Subject, sources};
 
 const SIZE_PX: [u32; 2] = [240, 180];
 /// Of the surface pixels of the median model.
 const LEAST_DECIDED: f64 = 0.95;
+
+/// Ways to find silhouettes by which every mask is drawn, besides the CPU's: of those one after the other, a mask each.
+const FOUND: [(&str, SilhouetteSource); 2] =
+    [("the GPU", SilhouetteSource::Gpu), ("the GPU with no more than WebGL2", SilhouetteSource::GpuBasic)];
 
 /// One subject's line in the table.
 #[derive(Default)]
@@ -115,6 +121,8 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
     let gpu_scene = GpuScene::new(renderer.gpu(), casters, &scene.materials, &scene.textures).unwrap();
     let oracle = Oracle::with_materials(casters, &scene.materials, &scene.textures);
     let mut rules_off = RulesOff::new();
+    let by_kind = |kind: FinderKind| (kind.name(), SilhouetteSource::Cpu(kind));
+    let mut finders_in_turn = FinderKind::ALL.map(by_kind).into_iter().cycle();
     for (which, camera) in subject.cameras.iter().enumerate() {
         let judged = oracle.judge(camera, &subject.lights, || ());
         for (light, judgements) in subject.lights.iter().zip(&judged) {
@@ -127,6 +135,15 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
             for (name, method) in [("z-fail", Method::ZFail), ("eye count", Method::EyeCount)] {
                 line.compare(&draw(ShadowOptions::from(method)), judgements, &format!("{place}, {name}"));
             }
+            for (name, silhouettes) in FOUND {
+                for method in [Method::Auto, Method::ZFail] {
+                    let mask = draw(ShadowOptions { silhouettes, ..method.into() });
+                    line.compare(&mask, judgements, &format!("{place}, {method:?}, silhouettes by {name}"));
+                }
+            }
+            let (name, silhouettes) = finders_in_turn.next().expect("they go round");
+            let mask = draw(ShadowOptions { silhouettes, ..ShadowOptions::default() });
+            line.compare(&mask, judgements, &format!("{place}, silhouettes by {name}"));
             for (rule, shadows) in rules_off.next() {
                 line.compare_rule(&auto, &draw(shadows), judgements, &format!("{place}, {rule}"));
             }

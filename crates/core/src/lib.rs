@@ -52,14 +52,16 @@ pub use cull::Culler;
 pub use light::{Cone, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, Verdict};
-pub use overlap::{most_overlaps, split_chain};
+pub use overlap::{most_overlaps, needs_light_cap, split_chain};
 pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
 pub use reach::Reach;
 pub use role::Role;
 pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError};
 pub use screen::PixelRect;
-pub use silhouette::{Finder, FinderKind, Found, SavedError, SilhouetteEdge, silhouette};
+pub use silhouette::{
+    Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
+};
 pub use sphere::{Sphere, SphereVolume};
 pub use texture::{Texture, Wrap};
 pub use topology::{Component, Edge, Topology, TopologyCounts};

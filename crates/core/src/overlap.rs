@@ -49,10 +49,14 @@ const AT_AXIS: f64 = 1e-9;
 
 /// A number that the count of `volume`, of `caster` and `light`, reaches nowhere above.
 ///
-/// At most the number of triangles of the light cap; 1 for a convex body. Takes a few tenths of a microsecond for each silhouette edge, and more
-/// where the number is large or the light is in the caster's box.
+/// At most [`ShadowVolume::most_triangles`]; 1 for a convex body. Takes a few tenths of a microsecond for each silhouette edge, and more
+/// where the number is large or the light [is in the caster's box](needs_light_cap).
+///
+/// # Panics
+///
+/// If the light is in the caster's box and `volume` is one of sides alone.
 pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPosition) -> u32 {
-    let triangles = volume.light_cap.len();
+    let triangles = volume.most_triangles;
     let most = if triangles <= 1 {
         triangles as i64
     } else if let Some(ahead) = ahead(caster, light) {
@@ -63,6 +67,7 @@ pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPositio
         let swept = upright.sweep(caster, volume).most(Poles::default(), 1)[0];
         if swept <= LOW { swept } else { swept.min(chart.most(caster, volume, Poles::default(), 0)) }
     } else {
+        assert!(!volume.light_cap.is_empty(), "around a light in its box, a volume is told from its cap");
         let axis = DVec3::Z;
         let poles = Poles::new(caster, volume, light, axis);
         let around = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
@@ -70,6 +75,11 @@ pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPositio
         charts.iter().fold(0, |most, chart| most.max(chart.most(caster, volume, poles, most)))
     };
     most.clamp(0, triangles as i64) as u32
+}
+
+/// Whether [`most_overlaps`] needs the light cap: where `light` is in the box of `caster`.
+pub fn needs_light_cap(caster: &Caster, light: LightPosition) -> bool {
+    ahead(caster, light).is_none()
 }
 
 /// A direction from the light that all of the caster's box is strictly ahead in; `None` when the light is in the box.

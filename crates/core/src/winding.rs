@@ -32,7 +32,7 @@ impl Windings {
     pub fn of_near_rectangle(caster: &Caster, camera: &Camera) -> Self {
         let rectangle = camera.near_rectangle();
         let middle = camera.eye() + camera.axes()[2] * camera.near();
-        let slack = slack(caster, camera.eye());
+        let slack = slack(&caster.bounds, camera.eye());
         Self::of_place(caster, &Bounds::of_points(rectangle), middle, slack, || near_rectangle_region(camera, slack))
     }
 
@@ -44,7 +44,7 @@ impl Windings {
 
     /// Around `point`. Cheap as [`Windings::of_near_rectangle`].
     pub fn of_point(caster: &Caster, point: DVec3) -> Self {
-        let slack = slack(caster, point);
+        let slack = slack(&caster.bounds, point);
         let place = Bounds { min: point, max: point };
         Self::of_place(caster, &place, point, slack, || {
             let mut region = ConvexRegion::default();
@@ -69,9 +69,7 @@ impl Windings {
         region: impl FnOnce() -> ConvexRegion,
     ) -> Self {
         let mut windings = Self::outside(caster);
-        let widened =
-            Bounds { min: caster.bounds.min - DVec3::splat(slack), max: caster.bounds.max + DVec3::splat(slack) };
-        if !bounds.meets(&widened) {
+        if !bounds.meets(&widened(&caster.bounds, slack)) {
             return windings;
         }
         let region = region();
@@ -102,11 +100,25 @@ impl Counting {
         };
         caster.topology.components().iter().zip(places).map(|(c, (&s, &l))| of(c.is_closed, s, l)).collect()
     }
+
+    /// How a closed component within `bounds` counts, of a caster within `caster`, when no triangle may be looked at: as
+    /// [`Counting::choose`] would have it, or [`Counting::Every`] where the light or the near rectangle might be inside.
+    pub fn of_box(bounds: &Bounds, caster: &Bounds, camera: &Camera, light: LightPosition) -> Self {
+        let is_around = |place: Bounds, at: DVec3| place.meets(&widened(bounds, slack(caster, at)));
+        let position = light.homogeneous().truncate();
+        let is_around_light = !light.is_directional() && is_around(Bounds { min: position, max: position }, position);
+        let is_around_eye = || is_around(Bounds::of_points(camera.near_rectangle()), camera.eye());
+        if is_around_light || is_around_eye() { Self::Every } else { Self::Facing }
+    }
 }
 
-fn slack(caster: &Caster, place: DVec3) -> f64 {
+fn slack(caster: &Bounds, place: DVec3) -> f64 {
     let reach = |p: DVec3| p.abs().max_element();
-    SLACK * reach(place).max(reach(caster.bounds.min)).max(reach(caster.bounds.max))
+    SLACK * reach(place).max(reach(caster.min)).max(reach(caster.max))
+}
+
+fn widened(bounds: &Bounds, by: f64) -> Bounds {
+    Bounds { min: bounds.min - DVec3::splat(by), max: bounds.max + DVec3::splat(by) }
 }
 
 /// The near rectangle as a thin slab.
@@ -198,5 +210,19 @@ mod tests {
         assert_eq!(Counting::choose(&caster, &inside, &outside), [Counting::Facing]);
         assert_eq!(Counting::choose(&caster, &outside, &outside), [Counting::Facing]);
         assert_eq!(Counting::choose(&caster, &inside, &inside), [Counting::Facing]);
+    }
+
+    #[test]
+    fn a_box_alone_tells_that_eye_and_light_are_outside() {
+        let bounds = box_caster(false).bounds;
+        let camera = |eye| Camera::new(eye, DVec3::new(0.1, 0.2, 0.3), 1.0, 0.05, [4, 3]).expect("a good camera");
+        let [near, far] = [DVec3::splat(0.9), DVec3::splat(3.0)];
+        let counting = |eye, light| Counting::of_box(&bounds, &bounds, &camera(eye), light);
+        assert_eq!(counting(far, LightPosition::point(DVec3::splat(2.0))), Counting::Facing);
+        assert_eq!(counting(far, LightPosition::sun(1.0, 1.0)), Counting::Facing);
+        assert_eq!(counting(far, LightPosition::point(near)), Counting::Every);
+        assert_eq!(counting(near, LightPosition::sun(1.0, 1.0)), Counting::Every);
+        // Within rounding of a face.
+        assert_eq!(counting(far, LightPosition::point(DVec3::new(1.0 + 1e-6, 0.0, 0.0))), Counting::Every);
     }
 }

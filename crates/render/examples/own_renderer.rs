@@ -12,9 +12,9 @@ use umbrae_core::{Camera, Caster, Light, LightPosition, Mesh, Object, Scene, sha
 use umbrae_render::{AdapterChoice, Gpu, GpuError, LIT, ShadowCasters, ShadowOptions, ShadowTarget, Shadows};
 use wgpu::util::DeviceExt as _;
 
-const SIZE_PX: [u32; 2] = [640, 400];
-const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
+pub(crate) const SIZE_PX: [u32; 2] = [640, 400];
+pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
 
 /// `@invariant`, and the plain product: so that your surfaces and the volumes agree to the last bit.
 const SHADER: &str = "
@@ -110,12 +110,12 @@ pub(crate) async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light
 }
 
 /// Position and normal of each corner.
-fn corners(caster: &Caster) -> Vec<[Vec3; 2]> {
+pub(crate) fn corners(caster: &Caster) -> Vec<[Vec3; 2]> {
     let triangles = (0..caster.mesh.triangles().len()).map(|t| caster.corners(t));
     triangles.flat_map(|[a, b, c]| [a, b, c].map(|p| [p, (b - a).cross(c - a).normalize_or_zero()])).collect()
 }
 
-fn frame_group(
+pub(crate) fn frame_group(
     device: &wgpu::Device,
     pipeline: &wgpu::RenderPipeline,
     camera: &Camera,
@@ -132,7 +132,7 @@ fn frame_group(
 }
 
 /// Depth with ambient light, and one light added where the stencil is [`LIT`]; both with reversed depth, both sides.
-fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
+pub(crate) fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
     let source = wgpu::ShaderSource::Wgsl(SHADER.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
@@ -175,11 +175,11 @@ fn pipelines(device: &wgpu::Device) -> [wgpu::RenderPipeline; 2] {
     ]
 }
 
-fn buffer(device: &wgpu::Device, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(crate) fn buffer(device: &wgpu::Device, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
     device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
 }
 
-fn texture(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::Texture {
+pub(crate) fn texture(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width: SIZE_PX[0], height: SIZE_PX[1], depth_or_array_layers: 1 },

@@ -120,14 +120,16 @@ impl<'a> Finishes<'a> {
             let texture = self.textures.get(texture).map_or(&white, |texture| texture);
             (upload(self.gpu, texture), samplers(self.gpu, texture))
         });
+        let texture = || wgpu::BindingResource::TextureView(view);
         self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("finish"),
             layout: &self.layout,
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
+                wgpu::BindGroupEntry { binding: 0, resource: texture() },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
                 wgpu::BindGroupEntry { binding: 2, resource: buffer.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(cut_out_sampler) },
+                wgpu::BindGroupEntry { binding: 4, resource: texture() },
             ],
         })
     }
@@ -140,21 +142,20 @@ impl FinishUniform {
     const OPAQUE: Self = Self { alpha: 1.0, cutoff: NOTHING_CUT_OUT, least_coverage: 1.0, unused: 0.0 };
 }
 
-/// Group 2: a texture, its sampler, the uniform, and the sampler for cut-outs.
+/// Group 2: a texture, its sampler, the uniform, and the sampler for cut-outs with the texture again, as OpenGL gives each texture one sampler.
 pub(crate) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
+    let texture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("finish"),
         entries: &[
-            entry(
-                0,
-                wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: true },
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-            ),
+            entry(0, texture),
+            entry(4, texture),
             entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
             entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
             entry(

@@ -7,8 +7,9 @@
 //! A sum of matrices is taken in `f32`, where [`Caster::pose_to`] takes it in `f64` and rounds once: the two differ by a few roundings. The
 //! matrices themselves, from rest to scene space, are composed in `f64`, so that large coordinates on the way cost nothing.
 
+mod show;
+
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use bytemuck::Zeroable as _;
 use glam::{DAffine3, Vec3};
@@ -16,7 +17,7 @@ use rustc_hash::FxHashMap;
 use umbrae_core::{Bounds, Caster, Deformer, Mesh, Object};
 use wgpu::util::DeviceExt as _;
 
-use crate::displacement::{NOT_MOVED, widened};
+use crate::displacement::NOT_MOVED;
 use crate::gpu_scene::middle;
 use crate::passes::{PoseBuffers, PosePass, PosedUniform};
 use crate::{Displacement, Gpu, GpuError, GpuScene, Tier, readback};
@@ -38,6 +39,8 @@ pub struct GpuPoser {
     shown: Vec<f32>,
     /// The time of what is shown, for a [`Displacement`].
     time_s: f32,
+    /// Of each object, whether its caster's box is from [`GpuPoser::show`].
+    is_boxed: Vec<bool>,
 }
 
 /// An object, with what of its [`PosedUniform`] never changes.
@@ -162,7 +165,18 @@ impl GpuPoser {
         let has_any = [&at_rest, &now, volume, surface].iter().all(|buffer| buffer.size() > 0);
         let buffers = PoseBuffers { posed: &posed, at_rest: &at_rest, now: &now, volume, surface };
         let group = has_any.then(|| pass.group(gpu, buffers));
-        gpu.unless_out_of_memory(Ok(Self { pass, group, posed, now, parts, glass, shown: Vec::new(), time_s: 0.0 }))
+        let is_boxed = vec![false; parts.len()];
+        gpu.unless_out_of_memory(Ok(Self {
+            pass,
+            group,
+            posed,
+            now,
+            parts,
+            glass,
+            shown: Vec::new(),
+            time_s: 0.0,
+            is_boxed,
+        }))
     }
 
     /// Moves to where `objects` are all that is not there: in `scene`, and in `casters`. The first time that is all; so it is the GPU's
@@ -196,60 +210,13 @@ impl GpuPoser {
                 *position = Vec3::new(x, y, z);
             }
             caster.bounds = Bounds::of_points(caster.positions.iter().map(|p| p.as_dvec3()));
+            self.is_boxed[i] = false;
             scene.shadow_casters.update_middle(gpu, i, caster);
         }
         for (glass, &(caster, triangle)) in scene.glass.iter_mut().zip(&self.glass) {
             glass.center = middle(casters[caster].corners(triangle));
         }
         Ok(())
-    }
-
-    /// Submits the moving of `scene` to where `objects` are at `time_s`, and reads nothing back: for silhouettes found on the GPU
-    /// ([`crate::SilhouetteSource`]), to which the CPU gives only boxes. Of `casters`, whatever else they say of where they are is from the CPU's own
-    /// posing, without a [`Displacement`], and must be asked for neither silhouettes nor rays. Linear in the vertices of what is posed anew; what is
-    /// only displaced costs the CPU nothing.
-    ///
-    /// # Panics
-    ///
-    /// As [`GpuPoser::pose`].
-    pub fn show(&mut self, gpu: &Gpu, scene: &mut GpuScene, objects: &[Object], casters: &mut [Caster], time_s: f32) {
-        let before = self.shown.clone();
-        let Some(moved) = self.stage(gpu, objects, casters, time_s) else { return };
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("posing") });
-        self.record(gpu, &mut encoder, &moved);
-        gpu.queue.submit([encoder.finish()]);
-        for i in moved {
-            let part = &self.parts[i];
-            scene.shadow_casters.has_moved[i].store(true, Ordering::Relaxed);
-            if before.get(part.range()) != self.shown.get(part.range()) {
-                let caster = &mut casters[i];
-                caster.pose_to(&objects[i]);
-                caster.bounds = widened(caster.bounds, &objects[i], part.uniform.max_offset.into());
-                scene.shadow_casters.update_middle(gpu, i, caster);
-            }
-        }
-        for (glass, &(caster, triangle)) in scene.glass.iter_mut().zip(&self.glass) {
-            glass.center = middle(casters[caster].corners(triangle));
-        }
-    }
-
-    /// Where the vertices of `scene` are now, object by object: for whoever must know, as a test must. Waits for the GPU.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
-    pub async fn positions(&self, gpu: &Gpu, scene: &GpuScene) -> Result<Vec<Vec<Vec3>>, GpuError> {
-        let all: Vec<usize> = (0..self.parts.len()).collect();
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read") });
-        let copy = self.copy_near(gpu, &mut encoder, scene, &all);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu.unless_out_of_memory(readback::buffer(gpu, &copy).await)?;
-        let mut vertices = bytes.chunks_exact(VERTEX_SIZE).map(bytemuck::pod_read_unaligned::<[f32; 4]>);
-        let of = |part: &Part| {
-            let own = vertices.by_ref().take(part.uniform.vertex_count as usize);
-            own.map(|[x, y, z, _]| Vec3::new(x, y, z)).collect()
-        };
-        Ok(self.parts.iter().map(of).collect())
     }
 
     /// Uploads the moment; the numbers of those objects that are not there, or `None` where all are.

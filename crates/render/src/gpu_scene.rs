@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
-use umbrae_core::{Caster, Material, Role, Texture};
+use umbrae_core::{Caster, Finder, Material, Role, Texture};
 use wgpu::util::DeviceExt as _;
 
 use crate::gpu_finishes::{Finish, FinishKind, Finishes};
@@ -88,9 +88,12 @@ impl GpuScene {
             }
         }
         draws.sort_by_key(|(_, finish)| finishes[*finish as usize].kind);
+        // Textures are copied over it by texels of 16 bytes.
+        let mut words: Vec<u32> = bytemuck::cast_slice(&surface).to_vec();
+        words.resize(words.len().next_multiple_of(4), 0);
         let surface = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("surface vertices"),
-            contents: bytemuck::cast_slice(&surface),
+            contents: bytemuck::cast_slice(&words),
             usage: gpu.caps.moving_vertices(),
         });
         gpu.unless_out_of_memory(Ok(Self {
@@ -102,6 +105,24 @@ impl GpuScene {
             order,
             finder: KeptFinder::default(),
         }))
+    }
+
+    /// Has the silhouettes of caster `i` found by `finders[i]`, made for it as it is (read from a cache, say), where there is one.
+    ///
+    /// # Panics
+    ///
+    /// If there are more finders than casters.
+    pub fn give_finders(&mut self, finders: Vec<Option<Finder>>) {
+        for (i, finder) in finders.into_iter().enumerate() {
+            if let Some(finder) = finder {
+                self.shadow_casters.give_finder(i, finder);
+            }
+        }
+    }
+
+    /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.
+    pub(crate) fn surface_words(&self, casters: &[Caster], materials: &[Material]) -> Vec<u32> {
+        bytemuck::cast_slice(&surface_vertices(casters, materials, &self.order).0).to_vec()
     }
 
     /// Uploads again where `casters` are; they must be those that this was made of, moved, and `materials` the same. As much as

@@ -24,6 +24,7 @@ mod renderer;
 mod shaders;
 mod shadow;
 mod targets;
+mod texture_displacer;
 mod timing;
 mod uniforms;
 mod verify;
@@ -42,5 +43,6 @@ pub use shadow::{
     ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
 };
 pub use targets::{Output, Targets};
+pub use texture_displacer::TextureDisplacer;
 pub use timing::PassTime;
 pub use verify::{Comparison, compare};

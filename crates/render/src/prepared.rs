@@ -10,14 +10,17 @@ use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, Silhoue
 
 /// What finds the silhouettes of one scene on the GPU, made when it is first asked for, and kept.
 #[derive(Debug, Default)]
-pub(crate) struct KeptFinder(Mutex<Option<(SilhouetteSource, FoundShadows)>>);
+pub(crate) struct KeptFinder(Mutex<Option<(KeptFor, FoundShadows)>>);
+
+/// What decides what is found: the source, and the samples of the passes that draw it.
+type KeptFor = (SilhouetteSource, u32);
 
 /// The lights of one frame, from when they are prepared until they are submitted.
 #[derive(Debug)]
 pub(crate) enum PreparedLights<'a> {
     Own(Vec<ShadowLight>),
     /// Nobody else may plan before this frame is submitted.
-    Found(MutexGuard<'a, Option<(SilhouetteSource, FoundShadows)>>),
+    Found(MutexGuard<'a, Option<(KeptFor, FoundShadows)>>),
 }
 
 impl<'a> PreparedLights<'a> {
@@ -41,11 +44,12 @@ impl<'a> PreparedLights<'a> {
         }
         // What is kept is planned anew in each frame, so that a panic in another leaves nothing wrong in it.
         let mut kept = shot.scene.finder.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.as_ref().is_none_or(|(other, _)| *other != source) {
-            *kept = Some((source, shadows.finder(gpu, casters, uploaded, source)?));
+        let kept_for = (source, shadows.samples());
+        if kept.as_ref().is_none_or(|(other, _)| *other != kept_for) {
+            *kept = Some((kept_for, shadows.finder(gpu, casters, uploaded, source)?));
         }
         if let Some((_, found)) = &mut *kept {
-            shadows.compile_found(gpu);
+            shadows.compile_found(gpu, source);
             found.plan(gpu, casters, uploaded, view, lights, options);
             found.upload(gpu)?;
         }

@@ -4,6 +4,8 @@ const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
 const JOB: &str = include_str!("shaders/job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
+const FLAT_NORMAL: &str = include_str!("shaders/flat_normal.wgsl");
+const FOUND_TABLES: &str = include_str!("shaders/found_tables.wgsl");
 
 pub(crate) fn surface(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "surface", &[VIEW, LIGHT, SURFACE])
@@ -47,6 +49,18 @@ pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "find silhouettes", &[JOB, include_str!("shaders/find.wgsl")])
 }
 
+/// The passes that find silhouettes in textures.
+pub(crate) fn find_basic(device: &wgpu::Device) -> wgpu::ShaderModule {
+    module(device, "find silhouettes in textures", &[FOUND_TABLES, include_str!("shaders/find_basic.wgsl")])
+}
+
+/// Volumes whose silhouettes were found in textures.
+pub(crate) fn found_basic_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    let found = include_str!("shaders/found_basic_volume.wgsl");
+    module(device, "volume found in textures", &[VIEW, LIGHT, volume, FOUND_TABLES, found])
+}
+
 pub(crate) fn tone(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "tone", &[VIEW, include_str!("shaders/tone.wgsl")])
 }
@@ -57,7 +71,12 @@ pub(crate) fn overlay(device: &wgpu::Device) -> wgpu::ShaderModule {
 
 /// `moved` is the source of a function of that name: see [`crate::Displacement`].
 pub(crate) fn pose(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
-    module(device, "pose", &[include_str!("shaders/pose.wgsl"), moved])
+    module(device, "pose", &[FLAT_NORMAL, include_str!("shaders/pose.wgsl"), moved])
+}
+
+/// `moved` as for [`pose`].
+pub(crate) fn displace(device: &wgpu::Device, moved: &str) -> wgpu::ShaderModule {
+    module(device, "displace", &[FOUND_TABLES, FLAT_NORMAL, include_str!("shaders/displace.wgsl"), moved])
 }
 
 fn module(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {

@@ -141,15 +141,16 @@ impl OverlayUniform {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::mem::offset_of;
 
     use crate::gpu_finishes::FinishUniform;
     use crate::passes::{FindingUniform, FoundLightData, JobSlot, JobUniform, PosedUniform};
+    use crate::texture_displacer::DisplacingUniform;
 
     /// Size of the WGSL struct `name`, and for each member its name and offset.
-    fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
+    pub(crate) fn wgsl_layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
         let module = naga::front::wgsl::parse_str(source).expect("valid WGSL");
         module
             .types
@@ -189,7 +190,12 @@ mod tests {
     fn what_is_posed_has_the_same_bytes_in_rust_and_wgsl() {
         assert_same_layout!(
             PosedUniform,
-            &[include_str!("shaders/pose.wgsl"), crate::displacement::NOT_MOVED].concat(),
+            &[
+                include_str!("shaders/flat_normal.wgsl"),
+                include_str!("shaders/pose.wgsl"),
+                crate::displacement::NOT_MOVED
+            ]
+            .concat(),
             "Posed",
             [
                 vertex_count,
@@ -252,6 +258,22 @@ mod tests {
         let (span, members) = wgsl_layout(source, "Result");
         assert_eq!(span as u64, crate::shadow::RESULT_BYTES);
         assert_eq!(members.last(), Some(&("arguments".to_owned(), 16)));
+    }
+
+    #[test]
+    fn what_is_displaced_has_the_same_bytes_in_rust_and_wgsl() {
+        let source = [
+            include_str!("shaders/found_tables.wgsl"),
+            include_str!("shaders/flat_normal.wgsl"),
+            include_str!("shaders/displace.wgsl"),
+            crate::displacement::NOT_MOVED,
+        ];
+        assert_same_layout!(
+            DisplacingUniform,
+            &source.concat(),
+            "Displacing",
+            [time_s, max_offset, triangle_count, unused]
+        );
     }
 
     #[test]

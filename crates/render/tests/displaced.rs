@@ -59,8 +59,12 @@ fn spheres_displaced_on_the_gpu_shade_themselves_and_others_exactly_at_ten_times
         }
         let judged = Oracle::with_materials(&truth, &scene.materials, &scene.textures).judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for method in [Method::Auto, Method::ZFail] {
-                let shadows = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::from(method) };
+            for (method, silhouettes) in [
+                (Method::Auto, SilhouetteSource::Gpu),
+                (Method::ZFail, SilhouetteSource::Gpu),
+                (Method::Auto, SilhouetteSource::GpuBasic),
+            ] {
+                let shadows = ShadowOptions { silhouettes, ..ShadowOptions::from(method) };
                 let shot = Shot { shadows, ..Shot::new(&drawn, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);

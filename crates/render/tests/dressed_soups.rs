@@ -143,8 +143,9 @@ fn every_decided_pixel_is_right_among_glass_and_cut_outs_under_lights_that_end()
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
             let methods = [Method::Auto, Method::ZFail].map(ShadowOptions::from);
-            let found = methods.map(|options| ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
-            for shadows in methods.into_iter().chain(found) {
+            let sources = [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+            let by_source = |silhouettes| methods.map(|options| ShadowOptions { silhouettes, ..options });
+            for shadows in sources.into_iter().flat_map(by_source) {
                 let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
                 let comparison = compare(&mask.verdicts, judgements);

@@ -1,18 +1,28 @@
 //! The example of a renderer of one's own draws what rays say: lit where a light reaches, and nothing of it elsewhere.
 
 #[expect(dead_code, reason = "the example's main is not run")]
-#[path = "../examples/own_renderer.rs"]
-mod own_renderer;
+#[path = "../examples/own_renderer_on_gpu.rs"]
+mod own_renderer_on_gpu;
 
-use umbrae_core::{Judgement, Oracle, Verdict};
+use own_renderer_on_gpu::own_renderer;
+use umbrae_core::{Judgement, Light, Oracle, Verdict};
+use umbrae_render::GpuError;
 
 #[test]
 fn a_renderer_of_ones_own_is_lit_exactly_where_rays_say() {
+    let (casters, camera) = (own_renderer::casters(), own_renderer::camera());
+    check(|lights| pollster::block_on(own_renderer::picture(&casters, &camera, lights)));
+}
+
+#[test]
+fn a_renderer_of_ones_own_with_silhouettes_from_the_gpu_is_lit_exactly_where_rays_say() {
+    let (casters, camera) = (own_renderer_on_gpu::casters(), own_renderer_on_gpu::camera());
+    check(|lights| pollster::block_on(own_renderer_on_gpu::picture(&casters, &camera, lights)));
+}
+
+fn check(draw: impl Fn(&[Light]) -> Result<Vec<u8>, GpuError>) {
+    let draw = |lights: &[Light]| draw(lights).expect("tests need a graphics driver: run scripts/setup.sh");
     let (casters, camera, lights) = (own_renderer::casters(), own_renderer::camera(), own_renderer::lights());
-    let draw = |lights: &[umbrae_core::Light]| {
-        pollster::block_on(own_renderer::picture(&casters, &camera, lights))
-            .expect("tests need a graphics driver: run scripts/setup.sh")
-    };
     let judged = Oracle::new(&casters).judge(&camera, &lights, || ());
     for (light, judgements) in lights.iter().zip(&judged) {
         let rgba = draw(std::slice::from_ref(light));

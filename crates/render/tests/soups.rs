@@ -1,7 +1,5 @@
 //! Random soups on the GPU against rays: shared vertices, random windings, fans, the eye among the triangles.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 mod random;
 mod soup;
 
@@ -11,13 +9,15 @@ use soup::soup;
 use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
 use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare};
 
-/// The default, z-fail and counting from the eye, and the default with one rule off at a time; with silhouettes from the CPU and from the GPU.
+const SOURCES: [SilhouetteSource; 3] = [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+
+/// The default, z-fail and counting from the eye, and the default with one rule off at a time; with silhouettes from the CPU and, in both ways, from the GPU.
 fn all_options() -> impl Iterator<Item = (&'static str, ShadowOptions)> {
     let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
     let methods = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
     let of_cpu = methods.into_iter().chain(ShadowOptions::default().each_rule_off());
-    let of_gpu = |(name, options)| (name, ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..options });
-    of_cpu.clone().chain(of_cpu.map(of_gpu))
+    let found = |source| move |(name, options)| (name, ShadowOptions { silhouettes: source, ..options });
+    SOURCES.into_iter().flat_map(move |source| of_cpu.clone().map(found(source)))
 }
 
 #[test]
@@ -44,11 +44,12 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         .map(|position| Light::new("light", position, Vec3::ONE));
         let judged = oracle.judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            let mut firsts: [Option<Vec<u8>>; 2] = [None, None];
+            let mut firsts: [Option<Vec<u8>>; 3] = [None, None, None];
             for (rule, shadows) in all_options() {
                 let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
-                let first = &mut firsts[usize::from(shadows.silhouettes == SilhouetteSource::Gpu)];
+                let which = SOURCES.iter().position(|source| *source == shadows.silhouettes);
+                let first = &mut firsts[which.expect("it is one of them")];
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
                 assert!(
                     *first == mask.verdicts,

@@ -45,6 +45,10 @@ pub struct SilhouettesArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Keep in this folder what the finders on the CPU have prepared; where it is there already, build ms is what reading it takes
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+
     /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,

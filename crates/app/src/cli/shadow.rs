@@ -22,7 +22,7 @@ pub enum Silhouette {
     Coherent,
     /// By compute shaders, for all lights at once; the report can't tell what only the GPU knows
     Gpu,
-    /// The same by what WebGL2 has
+    /// In textures, for all lights at once, with no more than WebGL2 has; the report can't tell either
     GpuBasic,
 }
 

@@ -6,7 +6,7 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 use rayon::prelude::*;
 
-use crate::Caster;
+use crate::{Caster, Topology};
 
 use super::faces::{Faces, FramedLight};
 
@@ -95,6 +95,12 @@ impl Edges {
         (edges.pairs, edges.pair_ends) = pairs.into_iter().unzip();
         edges.count = edges.pairs.len() + edges.odd.len();
         edges
+    }
+
+    /// The edges of `topology` as pairs of their ends.
+    pub(super) fn of_vertices(topology: &Topology) -> Self {
+        let ends: Vec<[u32; 2]> = topology.edges().iter().map(|edge| [edge.low, edge.high]).collect();
+        Self { closed_pairs: ends.len(), count: ends.len(), pair_ends: ends.clone(), pairs: ends, ..Self::default() }
     }
 
     /// Forgets the pairs, which are elsewhere.

@@ -119,6 +119,20 @@ impl Faces {
         Self { planes: sorted, closed, of_triangle, count, frame }
     }
 
+    /// The tangent planes of the vertices of `caster`, which have `normals`, one after the other; all as if of one closed component.
+    pub(super) fn of_vertices(caster: &Caster, normals: &[Vec3]) -> Self {
+        let frame = Frame::of(caster);
+        let len = normals.len().next_multiple_of(WORD);
+        let mut planes = [(); 4].map(|()| vec![0.0; len]);
+        for (i, (place, normal)) in caster.positions.iter().zip(normals).enumerate() {
+            let normal = normal.as_dvec3().normalize_or_zero();
+            let d = normal.dot((place.as_dvec3() - frame.middle) * frame.per_metre);
+            let plane = normal.extend(-d).as_vec4().to_array();
+            planes.iter_mut().zip(plane).for_each(|(axis, x)| axis[i] = x);
+        }
+        Self { planes, closed: len, of_triangle: Vec::new(), count: normals.len(), frame }
+    }
+
     /// How many planes there are, padding included.
     pub(super) fn len(&self) -> usize {
         self.planes[0].len()

@@ -6,6 +6,7 @@
 //!   packets    64 edges and the planes they need   dual       a tree over planes as points of dual space
 //!   simd       what runs on many at once           cones      a tree over triangles with cones of normals
 //!   finder     one door to all                     coherent   what has changed since the last light
+//!   keeper     which of them a caster deserves    normals    the tree over vertex normals
 //!   saved      a finder as bytes, and back
 //! ```
 //!
@@ -22,6 +23,8 @@ mod faces;
 mod facing;
 mod finder;
 mod hierarchy;
+mod keeper;
+mod normals;
 mod packets;
 mod plain;
 mod saved;
@@ -34,6 +37,8 @@ use crate::{Chain, Topology};
 
 pub(crate) use faces::EDGE_ON;
 pub use finder::{Finder, FinderKind, Found};
+pub use keeper::{Outline, Silhouettes};
+pub use normals::NormalFinder;
 pub use saved::SavedError;
 
 /// An edge of the boundary, with its orientation and how often it is there.

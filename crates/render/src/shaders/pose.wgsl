@@ -1,5 +1,5 @@
 // Moves an object: `pose_vertices` for each vertex of its mesh, then `pose_triangles` for each triangle.
-// What is drawn and what casts get the same bits, as each position is computed once.
+// What is drawn and what casts get the same bits, as each position is computed once. Needs flat_normal.wgsl.
 
 struct Posed {
     vertex_count: u32,
@@ -111,33 +111,6 @@ fn pose_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     let position = select(bits, vec3u(0u), bits == vec3u(0x80000000u));
     volume[posed.near + v] = vec4u(position, NEAR);
     volume[posed.far + v] = vec4u(position, FAR);
-}
-
-fn largest(v: vec3f) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
-// Of unit length, or 0 for corners on one line. From the two shorter edges: of the three pairs their product loses the least.
-fn flat_normal(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
-    let scale = max(largest(b - a), largest(c - a));
-    if scale == 0.0 {
-        return vec3f(0.0);
-    }
-    // Edges of about 1, so that nothing underflows.
-    let ab = (b - a) / scale;
-    let bc = (c - b) / scale;
-    let ca = (a - c) / scale;
-    var normal = cross(ab, bc);
-    if dot(ab, ab) > max(dot(bc, bc), dot(ca, ca)) {
-        normal = cross(bc, ca);
-    } else if dot(bc, bc) > dot(ca, ca) {
-        normal = cross(ca, ab);
-    }
-    let size = largest(normal);
-    if size == 0.0 {
-        return vec3f(0.0);
-    }
-    return normalize(normal / size);
 }
 
 @compute @workgroup_size(64)

@@ -20,6 +20,8 @@ struct Finish {
 @group(2) @binding(1) var base_color_sampler: sampler;
 @group(2) @binding(2) var<uniform> finish: Finish;
 @group(2) @binding(3) var cut_out_sampler: sampler;
+// The same texture: OpenGL gives each one sampler.
+@group(2) @binding(4) var cut_out: texture_2d<f32>;
 
 struct Vertex {
     @location(0) position_world: vec3f,
@@ -85,7 +87,7 @@ fn is_cut_out(fragment: Fragment) -> bool {
     if !has_cut_outs {
         return false;
     }
-    let alpha = finish.alpha * textureSampleLevel(base_color, cut_out_sampler, fragment.uv, 0.0).a;
+    let alpha = finish.alpha * textureSampleLevel(cut_out, cut_out_sampler, fragment.uv, 0.0).a;
     return alpha < finish.cutoff;
 }
 

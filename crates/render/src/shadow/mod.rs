@@ -13,17 +13,16 @@
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
 
+mod caster_plan;
 mod casters;
 mod emit;
-mod found;
+pub(crate) mod found;
 mod options;
 mod pipelines;
 mod plan;
 mod report;
 mod spheres;
 mod tally;
-
-use std::sync::OnceLock;
 
 use umbrae_core::{Camera, Caster, Light, PixelRect, Sphere};
 use web_time::Instant;
@@ -54,8 +53,7 @@ pub struct Shadows {
     layouts: Layouts,
     pipelines: Pipelines,
     target: OwnedTarget,
-    /// Compiled when silhouettes are first found on the GPU.
-    found: OnceLock<FoundDrawing>,
+    found: FoundDrawing,
 }
 
 /// A [`ShadowTarget`] that is kept.
@@ -135,12 +133,17 @@ impl Shadows {
             samples: target.samples,
             color_formats: target.color_formats.to_vec(),
         };
-        Self { layouts, pipelines, target, found: OnceLock::new() }
+        Self { layouts, pipelines, target, found: FoundDrawing::default() }
     }
 
     fn target(&self) -> ShadowTarget<'_> {
         let OwnedTarget { depth_stencil_format, samples, color_formats } = &self.target;
         ShadowTarget { depth_stencil_format: *depth_stencil_format, samples: *samples, color_formats }
+    }
+
+    /// Samples of each pixel of the passes.
+    pub(crate) fn samples(&self) -> u32 {
+        self.target.samples
     }
 
     /// Makes ready for `camera`, of the size of the pass.

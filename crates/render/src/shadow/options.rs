@@ -36,18 +36,20 @@ pub enum LightMark {
 
 /// Where silhouettes are found: which triangles face a light, which edges are between, and how each caster is counted.
 ///
-/// All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
+/// On the CPU, light by light, and indices are uploaded in each frame. All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SilhouetteSource {
-    /// On the CPU, as suits the mesh.
+    /// On the CPU, as is best for each caster: see [`umbrae_core::Silhouettes`].
     #[default]
     Auto,
-    /// On the CPU, light by light, by a finder of this kind; indices are uploaded in each frame.
+    /// On the CPU, as one says.
     Cpu(FinderKind),
     /// By compute shaders, all lights of a frame at once; nothing of a triangle is on the CPU, and nothing is read back.
     /// [`Method::EyeCount`] counts as [`Method::Auto`] does. Needs [`crate::Tier::Full`].
     Gpu,
-    /// By what WebGL2 has.
+    /// By render passes into textures of integers, all lights of a frame at once; needs nothing that WebGL2 lacks. z-fail is chosen from boxes
+    /// alone, so it draws more than [`SilhouetteSource::Gpu`], and each edge that might be on a silhouette goes through the vertex shader.
+    /// [`Method::EyeCount`] counts as [`Method::Auto`] does.
     GpuBasic,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, Vec3};
 use umbrae_core::{Material, Mesh, Object, Scene, Surface};
 
-use crate::random::Random;
+use super::random::Random;
 
 /// Two objects, each of 22 triangles: some at random on common vertices, a fan of ten on one edge, and a few twice.
 pub(crate) fn soup(random: &mut Random) -> Scene {
@@ -17,7 +17,8 @@ pub(crate) fn soup(random: &mut Random) -> Scene {
             // A fan of ten on one edge, and a few faces twice.
             triangles.extend((2..12).map(|i| if random.below(2) == 0 { [0, 1, i] } else { [1, 0, i] }));
             triangles.extend([triangles[3], triangles[5]]);
-            let mesh = Mesh::new(Surface { positions, triangles, ..Surface::default() }).unwrap();
+            let mesh =
+                Mesh::new(Surface { positions, triangles, ..Surface::default() }).expect("triangles of its vertices");
             Object::new("soup", Arc::new(mesh), DAffine3::IDENTITY)
         })
         .collect();

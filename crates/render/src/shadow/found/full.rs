@@ -263,6 +263,8 @@ impl FullFinder {
 
     /// What volumes are drawn with: a group with the offset of a job, and the buffer of arguments.
     pub(super) fn drawn_with(&self) -> Option<DrawnWith> {
-        self.drawn.as_ref().map(|group| DrawnWith { group: group.clone(), arguments: self.results.buffer().clone() })
+        self.drawn
+            .as_ref()
+            .map(|group| DrawnWith::Lists { group: group.clone(), arguments: self.results.buffer().clone() })
     }
 }

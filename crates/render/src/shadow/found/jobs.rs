@@ -1,8 +1,8 @@
 //! What is told from boxes on the CPU before silhouettes are found on the GPU: which casters matter to a light, how each may be counted, and what
 //! must be drawn of it. Nothing here looks at a triangle.
 //!
-//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times, else by addition in a float
-//! target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
+//! A caster is counted in the stencil where it provably can't overlap itself more often than 127 times and there are few such, else by
+//! addition in a float target. `core/src/overlap.rs` has better bounds, which take a look at the silhouette.
 
 use glam::DVec3;
 use umbrae_core::{Bounds, Camera, Case, Caster, LightPosition, PixelRect};
@@ -81,9 +81,9 @@ pub(crate) enum Shape {
 pub(crate) struct FoundDraw {
     pub(crate) part: Part,
     pub(crate) shape: Shape,
-    /// Number of the [`Job`] among those of all lights.
+    /// Number of the [`Job`] among those of all lights, or of the light.
     pub(crate) job: u32,
-    pub(crate) count: Count,
+    pub(crate) amount: Amount,
     pub(crate) rect: PixelRect,
 }
 
@@ -92,6 +92,15 @@ impl FoundDraw {
     pub(crate) fn order(&self) -> (Part, Shape, u32) {
         (self.part, self.shape, self.job)
     }
+}
+
+/// How many vertices are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Amount {
+    /// As many as the GPU says.
+    Found(Count),
+    /// All that there might be, in so many copies.
+    AtMost { first_vertex: u32, end_vertex: u32, copies: u32 },
 }
 
 /// How many vertices are drawn: which of a job's counts, which only the GPU knows.
@@ -116,14 +125,15 @@ const EDGE_ON: f64 = 4e-7;
 /// What `core/src/winding.rs` widens by, and as much again for reasoning in `f32` about the widened.
 const SLACK: f64 = 8e-6;
 
+/// With more batches than this, a float target for the rest costs less than a look at every pixel between each two.
+const MOST_BATCHES: usize = 3;
+
 /// Adds to `jobs` those of `light`, which is number `number` and for which `plan` was started, and to `plan` what is drawn of them.
-#[expect(clippy::too_many_arguments, reason = "one caller; a struct would only repeat the names")]
 pub(super) fn add(
     jobs: &mut Vec<Job>,
     plan: &mut Plan,
     scope: &Scope,
-    casters: &[Caster],
-    uploaded: &ShadowCasters,
+    (casters, uploaded): (&[Caster], &ShadowCasters),
     seen: &Seen,
     (number, light): (u32, LightPosition),
     options: &ShadowOptions,
@@ -139,22 +149,25 @@ pub(super) fn add(
         let job = job(caster, block, scope, &seen.camera, light, options);
         let job = Job { caster: i as u32, light: number, ..job };
         let most_overlaps = most_overlaps(caster, &job, &seen.camera, light);
-        add_draws(plan, &job, jobs.len() as u32, most_overlaps, rect);
+        let amounts = |_, count| std::iter::once(Amount::Found(count));
+        add_draws(plan, (&job, jobs.len() as u32), (most_overlaps, true), rect, amounts);
         plan.casters.push(report(&job, options, rect));
         jobs.push(job);
     }
 }
 
-fn report(job: &Job, options: &ShadowOptions, rect: PixelRect) -> CasterReport {
+pub(super) fn report(job: &Job, options: &ShadowOptions, rect: PixelRect) -> CasterReport {
     let fate = match (job.case, options.method) {
         (None, _) => Fate::DrawnAsFound,
         (Some(case), Method::ZPass | Method::ZFail) => Fate::Drawn { case, why: Why::Method },
-        (Some(case), Method::Auto | Method::EyeCount) => Fate::Drawn { case, why: Why::NearRectangleClear },
+        (Some(case @ Case::Pass), _) => Fate::Drawn { case, why: Why::NearRectangleClear },
+        (Some(case), _) => Fate::Drawn { case, why: Why::NearRectangleMayBeShaded },
     };
     CasterReport { rect: Some(rect), ..CasterReport::of_found(fate) }
 }
 
-fn job(
+/// What is told of one caster and light from boxes; neither of them is numbered.
+pub(super) fn job(
     caster: &Caster,
     block: Block,
     scope: &Scope,
@@ -202,7 +215,8 @@ fn job(
 fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPosition) -> u32 {
     let triangles = caster.mesh.triangles().len() as u32;
     let is_closed = caster.topology.components().iter().all(|component| component.is_closed);
-    let slack = DVec3::splat(job.slack_m.into());
+    // Twice, so that what is clear here is clear to the device too, which rounds.
+    let slack = 2.0 * DVec3::splat(job.slack_m.into());
     let widened = Bounds { min: caster.bounds.min - slack, max: caster.bounds.max + slack };
     let is_at_light = !light.is_directional() && widened.meets(&Bounds::of_points([light.homogeneous().truncate()]));
     let is_at_eye = widened.meets(&Bounds::of_points(camera.near_rectangle()));
@@ -210,13 +224,25 @@ fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPositi
     if counts_facing { triangles / 2 } else { triangles }
 }
 
-fn add_draws(plan: &mut Plan, job: &Job, number: u32, most_overlaps: u32, rect: PixelRect) {
-    let fits_stencil = most_overlaps <= MOST_OVERLAPS;
+/// Adds to `plan` what is drawn of `job`, as number `number`, where its volume, or this part of it, overlaps itself at most so many times; `amounts`
+/// are those of a shape. Without `may_sum`, the stencil must count all.
+pub(super) fn add_draws<I: Iterator<Item = Amount>>(
+    plan: &mut Plan,
+    (job, number): (&Job, u32),
+    (most_overlaps, may_sum): (u32, bool),
+    rect: PixelRect,
+    amounts: impl Fn(Shape, Count) -> I,
+) {
+    let has_batch = !may_sum || plan.batches.len() < MOST_BATCHES || plan.has_room(most_overlaps);
+    let fits_stencil = most_overlaps <= MOST_OVERLAPS && has_batch;
     if fits_stencil {
         plan.batch_for(most_overlaps);
     }
     let draws = if fits_stencil { &mut plan.found } else { &mut plan.summed };
-    let mut add = |part, shape, count| draws.push(FoundDraw { part, shape, job: number, count, rect });
+    let mut add = |part, shape, count| {
+        let of_amount = |amount| FoundDraw { part, shape, job: number, amount, rect };
+        draws.extend(amounts(shape, count).map(of_amount));
+    };
     if job.may_pass() {
         add(Part::Pass, Shape::Sides, Count::SidesInPass);
     }

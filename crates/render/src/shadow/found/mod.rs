@@ -4,7 +4,8 @@
 //!   jobs       which casters matter to which light, from boxes          CPU
 //!   tables     what is known of meshes before there is a light          uploaded once
 //!   full       facing, silhouettes, cases, draws                        compute
-//!   pipelines  volumes from lists
+//!   basic      the same in textures                                     render passes
+//!   pipelines  volumes from lists or textures
 //!   read       what was found, for tests
 //!   alone      how long finding takes
 //!   sums       counts where the stencil can't count as far
@@ -13,12 +14,15 @@
 //! What is drawn of a light is a [`ShadowLight`], as it is where silhouettes come from the CPU, and is drawn by the same calls.
 
 mod alone;
+pub(crate) mod basic;
 mod full;
 mod jobs;
 pub(crate) mod pipelines;
 mod read;
 mod sums;
 mod tables;
+
+use std::sync::OnceLock;
 
 use bytemuck::Zeroable as _;
 use umbrae_core::{Caster, Light};
@@ -36,11 +40,13 @@ use crate::growing::GrowingBuffer;
 use crate::passes::uniform_buffer_and_group;
 use crate::timing::PassTimer;
 use crate::uniforms::LightUniform;
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, shaders};
+use basic::BasicFinder;
 use full::FullFinder;
 pub(crate) use full::RESULT_BYTES;
+use jobs::Amount;
 use jobs::Job;
-use pipelines::{FoldPass, FoundPipelines, job_offset};
+use pipelines::{DrawnFrom, FoldPass, FoundPipelines, job_offset};
 
 /// The shadows of all lights of a frame, of silhouettes found on the GPU; kept from frame to frame with its memory.
 ///
@@ -59,7 +65,8 @@ pub struct FoundShadows {
 /// Who finds.
 #[derive(Debug)]
 enum Finder {
-    Full(FullFinder),
+    Full(Box<FullFinder>),
+    Basic(Box<BasicFinder>),
 }
 
 /// A light with the buffers that are filled again in each frame.
@@ -72,19 +79,27 @@ struct FoundLight {
     loose: GrowingBuffer,
 }
 
-/// What draws the volumes of [`FoundShadows`].
-#[derive(Debug)]
+/// What draws the volumes of [`FoundShadows`]; compiled when first needed.
+#[derive(Debug, Default)]
 pub(crate) struct FoundDrawing {
+    of_lists: OnceLock<VolumeDrawing>,
+    of_tables: OnceLock<VolumeDrawing>,
+}
+
+#[derive(Debug)]
+struct VolumeDrawing {
     stencil: FoundPipelines,
-    sums: FoundPipelines,
-    fold: FoldPass,
+    /// Where there may be any.
+    sums: Option<(FoundPipelines, FoldPass)>,
 }
 
 /// What one light's volumes are drawn with.
 #[derive(Debug, Clone)]
-pub(crate) struct DrawnWith {
-    group: wgpu::BindGroup,
-    arguments: wgpu::Buffer,
+pub(crate) enum DrawnWith {
+    /// As many as the GPU says.
+    Lists { group: wgpu::BindGroup, arguments: wgpu::Buffer },
+    /// All that there might be.
+    Tables { group: wgpu::BindGroup },
 }
 
 impl Shadows {
@@ -109,10 +124,12 @@ impl Shadows {
     ) -> Result<FoundShadows, GpuError> {
         let finder = match source {
             SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => panic!("what is found on the CPU is Shadows::light"),
-            SilhouetteSource::Gpu => Finder::Full(FullFinder::new(gpu, casters, uploaded)?),
-            SilhouetteSource::GpuBasic => return Err(GpuError::NoSilhouettes { adapter: gpu.label.clone() }),
+            SilhouetteSource::Gpu => Finder::Full(Box::new(FullFinder::new(gpu, casters, uploaded)?)),
+            SilhouetteSource::GpuBasic => {
+                Finder::Basic(Box::new(BasicFinder::new(gpu, casters, uploaded, self.may_sum_basic())?))
+            }
         };
-        self.compile_found(gpu);
+        self.compile_found(gpu, source);
         Ok(FoundShadows {
             finder,
             jobs: Vec::new(),
@@ -122,27 +139,46 @@ impl Shadows {
         })
     }
 
-    /// Compiles what draws found volumes, unless that was done.
-    pub(crate) fn compile_found(&self, gpu: &Gpu) {
-        self.found.get_or_init(|| {
-            let target = self.target();
-            FoundDrawing {
-                stencil: FoundPipelines::stencil(gpu, &self.layouts, &target),
-                sums: FoundPipelines::sums(gpu, &self.layouts, &target),
-                fold: FoldPass::new(gpu, &target),
+    /// Compiles what draws volumes found as `source` says, unless that was done.
+    pub(crate) fn compile_found(&self, gpu: &Gpu, source: SilhouetteSource) {
+        let target = self.target();
+        let compile = |may_sum: bool, from: DrawnFrom<'_>| {
+            let sums = || (FoundPipelines::sums(gpu, &self.layouts, &target, from), FoldPass::new(gpu, &target));
+            let stencil = FoundPipelines::stencil(gpu, &self.layouts, &target, from);
+            VolumeDrawing { stencil, sums: may_sum.then(sums) }
+        };
+        match source {
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => {}
+            SilhouetteSource::Gpu => {
+                let module = || shaders::found_volume(&gpu.device);
+                let of_lists = || compile(true, DrawnFrom { module: &module(), layout: &pipelines::draw_layout(gpu) });
+                self.found.of_lists.get_or_init(of_lists);
             }
-        });
+            SilhouetteSource::GpuBasic => {
+                let of_tables = || basic::drawn_from(gpu, |from| compile(self.may_sum_basic(), from));
+                self.found.of_tables.get_or_init(of_tables);
+            }
+        }
     }
 
-    fn found_drawing(&self) -> &FoundDrawing {
-        self.found.get().expect("what was found was found for these shadows")
+    /// WebGL2 can't read textures of several samples.
+    fn may_sum_basic(&self) -> bool {
+        self.target.samples == 1
+    }
+
+    fn drawing_of(&self, with: &DrawnWith) -> &VolumeDrawing {
+        let drawing = match with {
+            DrawnWith::Lists { .. } => self.found.of_lists.get(),
+            DrawnWith::Tables { .. } => self.found.of_tables.get(),
+        };
+        drawing.expect("what was found was found for these shadows")
     }
 
     /// Draws those of `draws` into the stencil.
     pub(super) fn draw_found(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight, draws: &[FoundDraw]) {
-        if !draws.is_empty() {
-            let pipelines = &self.found_drawing().stencil;
-            draw(pass, light, draws, |draw| pipelines.of(draw.part, draw.shape));
+        if let Some(with) = light.drawn_with.as_ref().filter(|_| !draws.is_empty()) {
+            let pipelines = &self.drawing_of(with).stencil;
+            draw(pass, with, draws, |draw| pipelines.of(draw.part, draw.shape));
         }
     }
 
@@ -154,40 +190,53 @@ impl Shadows {
         }
         self.bind(pass, view, light);
         pass.set_stencil_reference(super::MARK);
-        let pipelines = &self.found_drawing().sums;
-        draw(pass, light, &light.plan.summed, |draw| pipelines.of(draw.part, draw.shape));
+        let Some(with) = &light.drawn_with else { return };
+        let Some((pipelines, _)) = &self.drawing_of(with).sums else { return };
+        draw(pass, with, &light.plan.summed, |draw| pipelines.of(draw.part, draw.shape));
     }
 
     /// Takes the light away where `sums` are not 0: in a pass without colour, with the same depth and stencil.
     pub fn draw_fold(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight, sums: &ShadowSums) {
         let Some(rect) = light.plan.rect.filter(|_| light.needs_sums()) else { return };
+        let Some(with) = &light.drawn_with else { return };
+        let Some((_, fold)) = &self.drawing_of(with).sums else { return };
         super::set_scissor(pass, rect);
         pass.set_stencil_reference(super::MARK);
-        self.found_drawing().fold.draw(pass, &sums.group);
+        fold.draw(pass, &sums.group);
     }
 }
 
 /// Records `draws`, each with its pipeline; changes state only where it differs.
 fn draw<'a>(
     pass: &mut wgpu::RenderPass<'_>,
-    light: &ShadowLight,
+    with: &DrawnWith,
     draws: &[FoundDraw],
     pipeline: impl Fn(&FoundDraw) -> &'a wgpu::RenderPipeline,
 ) {
-    let Some(with) = &light.drawn_with else { return };
     let mut last: Option<&FoundDraw> = None;
     for draw in draws {
         if last.is_none_or(|last| (last.part, last.shape) != (draw.part, draw.shape)) {
             pass.set_pipeline(pipeline(draw));
         }
         if last.is_none_or(|last| last.job != draw.job) {
-            pass.set_bind_group(2, &with.group, &[job_offset(draw.job)]);
+            match with {
+                DrawnWith::Lists { group, .. } => pass.set_bind_group(2, group, &[job_offset(draw.job)]),
+                DrawnWith::Tables { group } => pass.set_bind_group(2, group, &[]),
+            }
         }
         if last.is_none_or(|last| last.rect != draw.rect) {
             super::set_scissor(pass, draw.rect);
         }
-        let arguments = 16 + 16 * draw.count as u64;
-        pass.draw_indirect(&with.arguments, RESULT_BYTES * u64::from(draw.job) + arguments);
+        match (draw.amount, with) {
+            (Amount::Found(count), DrawnWith::Lists { arguments, .. }) => {
+                let offset = 16 + 16 * count as u64;
+                pass.draw_indirect(arguments, RESULT_BYTES * u64::from(draw.job) + offset);
+            }
+            (Amount::AtMost { first_vertex, end_vertex, copies }, _) => {
+                pass.draw(first_vertex..end_vertex, 0..copies);
+            }
+            (Amount::Found(_), DrawnWith::Tables { .. }) => unreachable!("tables hold no arguments"),
+        }
         last = Some(draw);
     }
 }
@@ -211,8 +260,10 @@ impl FoundShadows {
             let light = FoundLight::new(gpu, &self.light_layout, options);
             self.lights.push(light);
         }
-        let Finder::Full(finder) = &mut self.finder;
-        finder.start(&view.seen.camera, lights.len() as u32);
+        match &mut self.finder {
+            Finder::Full(finder) => finder.start(&view.seen.camera, lights.len() as u32),
+            Finder::Basic(finder) => finder.start(gpu, casters, uploaded, &view.seen.camera, lights),
+        }
         self.jobs.clear();
         for (number, (found, light)) in (0..).zip(self.lights.iter_mut().zip(lights)) {
             let start = Instant::now();
@@ -221,28 +272,43 @@ impl FoundShadows {
             found.uniform_data = LightUniform::new(&light);
             let plan = &mut found.shadows.plan;
             let scope = plan.start(casters, &view.seen, &light, options);
-            finder.add_light(position, scope.as_ref());
+            if let Finder::Full(finder) = &mut self.finder {
+                finder.add_light(position, scope.as_ref());
+            }
             if let Some(scope) = &scope {
-                jobs::add(&mut self.jobs, plan, scope, casters, uploaded, &view.seen, (number, position), options);
-                plan.add_spheres(&view.seen, position, (&scope.culler, &scope.chooser), options, scope.rect);
+                let (seen, casters) = (&view.seen, (casters, uploaded));
+                match &self.finder {
+                    Finder::Full(_) => {
+                        jobs::add(&mut self.jobs, plan, scope, casters, seen, (number, position), options);
+                    }
+                    Finder::Basic(finder) => finder.add_draws(plan, scope, casters, seen, (number, &light), options),
+                }
+                plan.add_spheres(seen, position, (&scope.culler, &scope.chooser), options, scope.rect);
                 plan.sort();
             }
             found.shadows.tell(start.elapsed().as_secs_f64() * 1e3);
         }
-        finder.add_jobs(&self.jobs, uploaded);
+        if let Finder::Full(finder) = &mut self.finder {
+            finder.add_jobs(&self.jobs, uploaded);
+        }
     }
 
     /// Uploads what [`FoundShadows::plan`] planned: 256 bytes for each caster and light that matters, 4 for each that does not.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] when the lists could be longer than shaders of the device can be given.
+    /// [`GpuError::TooLarge`] when the lists could be longer than shaders of the device can be given, or do not fit into its textures.
     pub fn upload(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
-        let Finder::Full(finder) = &mut self.finder;
-        finder.upload(gpu)?;
-        for found in &mut self.lights[..self.light_count] {
+        match &mut self.finder {
+            Finder::Full(finder) => finder.upload(gpu)?,
+            Finder::Basic(finder) => finder.upload(gpu)?,
+        }
+        for (number, found) in self.lights[..self.light_count].iter_mut().enumerate() {
             found.upload(gpu)?;
-            found.shadows.drawn_with = finder.drawn_with();
+            found.shadows.drawn_with = match &self.finder {
+                Finder::Full(finder) => finder.drawn_with(),
+                Finder::Basic(finder) => Some(finder.drawn_with(number)),
+            };
         }
         Ok(())
     }
@@ -253,8 +319,10 @@ impl FoundShadows {
     }
 
     pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
-        let Finder::Full(finder) = &self.finder;
-        finder.record(encoder, timer);
+        match &self.finder {
+            Finder::Full(finder) => finder.record(encoder, timer),
+            Finder::Basic(finder) => finder.record(encoder, timer),
+        }
     }
 
     /// The lights of the frame that was planned last, in order.

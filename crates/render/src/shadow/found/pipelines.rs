@@ -21,14 +21,22 @@ const KINDS: [(Part, Shape); 9] = [
     (Part::LightCap, Shape::LightCap),
 ];
 
+/// What vertices are made from; the entry points are the same.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DrawnFrom<'a> {
+    pub(crate) module: &'a wgpu::ShaderModule,
+    /// Of group 2.
+    pub(crate) layout: &'a wgpu::BindGroupLayout,
+}
+
 /// A pipeline for each of [`KINDS`].
 #[derive(Debug)]
 pub(crate) struct FoundPipelines([wgpu::RenderPipeline; KINDS.len()]);
 
 impl FoundPipelines {
     /// Counts in the stencil, as [`crate::shadow::pipelines::Pipelines`] does.
-    pub(crate) fn stencil(gpu: &Gpu, layouts: &Layouts, target: &ShadowTarget<'_>) -> Self {
-        Self::new(gpu, layouts, target, |part, shape| {
+    pub(crate) fn stencil(gpu: &Gpu, layouts: &Layouts, target: &ShadowTarget<'_>, from: DrawnFrom<'_>) -> Self {
+        Self::new(gpu, layouts, target, from, |part, shape| {
             let (depth_compare, stencil, front_face) = counting(part);
             Kind {
                 label: "found volumes",
@@ -42,10 +50,10 @@ impl FoundPipelines {
     }
 
     /// Adds up where the mark is, in the only colour attachment.
-    pub(crate) fn sums(gpu: &Gpu, layouts: &Layouts, target: &ShadowTarget<'_>) -> Self {
+    pub(crate) fn sums(gpu: &Gpu, layouts: &Layouts, target: &ShadowTarget<'_>, from: DrawnFrom<'_>) -> Self {
         let target = ShadowTarget { color_formats: &[Some(gpu.caps.tally_format)], ..*target };
         let face = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
-        Self::new(gpu, layouts, &target, |part, shape| {
+        Self::new(gpu, layouts, &target, from, |part, shape| {
             let (depth_compare, front_face, operation) = summing(part);
             Kind {
                 label: "found volumes, summed",
@@ -62,13 +70,12 @@ impl FoundPipelines {
         gpu: &Gpu,
         layouts: &Layouts,
         target: &ShadowTarget<'_>,
+        from: DrawnFrom<'_>,
         kind: impl Fn(Part, Shape) -> Kind<'static>,
     ) -> Self {
-        let module = shaders::found_volume(&gpu.device);
-        let found = draw_layout(gpu);
-        let layout =
-            pipeline_layout(gpu, "view, light and found", &[Some(&layouts.view), Some(&layouts.light), Some(&found)]);
-        Self(KINDS.map(|(part, shape)| pipeline(&gpu.device, &module, &layout, target, &kind(part, shape))))
+        let groups = [Some(&layouts.view), Some(&layouts.light), Some(from.layout)];
+        let layout = pipeline_layout(gpu, "view, light and found", &groups);
+        Self(KINDS.map(|(part, shape)| pipeline(&gpu.device, from.module, &layout, target, &kind(part, shape))))
     }
 
     /// What draws `shape` as `part`.

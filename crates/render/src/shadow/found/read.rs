@@ -1,10 +1,10 @@
 //! What was found, read back: for tests, and for whoever wants to see silhouettes. Drawing needs none of it.
 
-use umbrae_core::{Caster, SilhouetteEdge};
+use umbrae_core::{Case, Caster, SilhouetteEdge};
 
 use super::full::{FullFinder, RESULT_BYTES};
 use super::{Finder, FoundShadows};
-use crate::{Gpu, GpuError, readback};
+use crate::{CasterReport, Gpu, GpuError, ShadowLight, readback};
 
 /// What was found of one caster under one light.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,8 +31,20 @@ impl FoundShadows {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub async fn read(&self, gpu: &Gpu, casters: &[Caster]) -> Result<Vec<FoundSilhouette>, GpuError> {
-        let Finder::Full(finder) = &self.finder;
-        finder.read(gpu, casters, &self.jobs).await
+        match &self.finder {
+            Finder::Full(finder) => finder.read(gpu, casters, &self.jobs).await,
+            Finder::Basic(finder) => finder.read(gpu, casters, &self.planned()).await,
+        }
+    }
+
+    /// Caster, light, and whether it is counted by z-fail, where the CPU knows.
+    fn planned(&self) -> Vec<(usize, usize, bool)> {
+        let of_light = |(light, shadows): (usize, &ShadowLight)| {
+            let is_fail = |report: &CasterReport| report.case().map(|case| case != Case::Pass);
+            let casters = shadows.report.casters.iter().enumerate();
+            casters.filter_map(|(caster, report)| Some((caster, light, is_fail(report)?))).collect::<Vec<_>>()
+        };
+        self.lights().enumerate().flat_map(of_light).collect()
     }
 }
 
