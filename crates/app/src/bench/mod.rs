@@ -3,13 +3,17 @@
 //! ```text
 //!   lights   under which silhouettes are found          on_cpu   times of the finders on the CPU
 //!   report   the table and the JSON                     on_gpu   and on the GPU
-//!   memory   the most that this process has used
+//!   memory   the most that this process has used        growth   of times with triangles
+//!   finer    a model of more triangles                  plot     a picture of that
 //! ```
 
+mod finer;
+mod growth;
 mod lights;
 mod memory;
 mod on_cpu;
 mod on_gpu;
+mod plot;
 mod report;
 
 use std::path::Path;
@@ -34,7 +38,10 @@ use self::report::ModelTimes;
 /// When a model can't be read; then nothing is printed.
 pub fn run(what: &BenchCommand, talk: &Talk) -> anyhow::Result<()> {
     match what {
-        BenchCommand::Silhouettes(args) => silhouettes(args, talk),
+        BenchCommand::Silhouettes(args) => match &args.grow {
+            Some(plot) => growth::run(args, plot, talk),
+            None => silhouettes(args, talk),
+        },
     }
 }
 
