@@ -10,20 +10,25 @@ use umbrae_core::Surface;
 use crate::random::Random;
 
 const SEED: u64 = 0x0067_726f_7774_6821;
-/// How far a middle moves on each axis, at most, for the length of its edge: enough that no two of its triangles share a plane.
-const PUSH: f32 = 0.02;
+/// How far a middle moves on each axis, at most, for the length of an edge that is as long as the longest was at first. On one half as long it is a
+/// quarter as far, as between points of a curved surface: faces turn less and less, and never lie in one plane.
+const PUSH: f32 = 0.1;
 
 /// Triangles between shared vertices, ever finer.
 #[derive(Debug)]
 pub(super) struct Finer {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    /// The longest edge at first.
+    longest: f32,
     random: Random,
 }
 
 impl Finer {
     pub(super) fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { positions, triangles, random: Random::new(SEED) }
+        let length = |[a, b]: [u32; 2]| positions[a as usize].distance(positions[b as usize]);
+        let longest = triangles.iter().flat_map(edges).map(length).fold(f32::MIN_POSITIVE, f32::max);
+        Self { positions, triangles, longest, random: Random::new(SEED) }
     }
 
     /// Splits edges until there are at least `count` triangles: one more at most on a closed surface; the same ones on every run.
@@ -63,7 +68,7 @@ impl Finer {
             let [a_m, b_m] = [a, b].map(|v| self.positions[v as usize]);
             let push = Vec3::from_array([(); 3].map(|()| self.random.between(-PUSH, PUSH)));
             middles.insert([a, b], self.positions.len() as u32);
-            self.positions.push((a_m + b_m) / 2.0 + push * length);
+            self.positions.push((a_m + b_m) / 2.0 + push * length * (length / self.longest));
             missing = missing.saturating_sub(uses);
         }
         let old = std::mem::take(&mut self.triangles);
