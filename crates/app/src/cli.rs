@@ -1,5 +1,6 @@
 //! What can be asked for. Parsing does nothing but parse.
 
+mod bench;
 mod light;
 mod shadow;
 
@@ -19,8 +20,9 @@ use crate::parse::{fov_deg, metres, picture_size, seconds, sphere, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
 
+pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
-pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouettes};
+pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
 
 /// Exact shadows of real models
 ///
@@ -75,6 +77,12 @@ pub enum Command {
     Inspect(InspectArgs),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
+    /// Measure on models of one's own how fast the parts of this program are
+    Bench {
+        /// What to measure
+        #[command(subcommand)]
+        what: BenchCommand,
+    },
     /// List the graphics adapters of this machine and say what is missing
     Doctor,
     /// Print completions for a shell

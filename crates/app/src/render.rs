@@ -12,7 +12,7 @@ use umbrae_render::{
 use web_time::Instant;
 
 use crate::area::{Area, as_points};
-use crate::cli::{Method, Posing, RenderArgs};
+use crate::cli::{Method, Posing, RenderArgs, Silhouette};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
@@ -115,6 +115,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         posing: posing.name(),
         samples: args.samples,
         method: Method::name(stage.shadows.method),
+        silhouette: Silhouette::name(stage.shadows.silhouettes),
         left_out: LeftOut::new(&stage.shadows),
         show,
         lights: (stage.lights.iter().zip(&picture.lights))

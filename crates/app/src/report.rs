@@ -48,6 +48,8 @@ pub struct Report {
     pub samples: u32,
     /// "auto", "zpass", "zfail" or "eye-count".
     pub method: &'static str,
+    /// How silhouettes were found: "auto", "scan", "dual", "cones", "coherent", "gpu" or "gpu-basic".
+    pub silhouette: &'static str,
     /// With `--show`, what the picture shows besides.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub show: Option<ShowReport>,

@@ -6,6 +6,8 @@
 mod bad_files;
 #[path = "cli/bad_options.rs"]
 mod bad_options;
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/casting.rs"]
 mod casting;
 #[path = "cli/files.rs"]

@@ -59,7 +59,9 @@ pub use reach::Reach;
 pub use role::Role;
 pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError};
 pub use screen::PixelRect;
-pub use silhouette::{Finder, FinderKind, Found, NormalFinder, Outline, SilhouetteEdge, Silhouettes, silhouette};
+pub use silhouette::{
+    Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
+};
 pub use sphere::{Sphere, SphereVolume};
 pub use texture::{Texture, Wrap};
 pub use topology::{Component, Edge, Topology, TopologyCounts};

@@ -66,7 +66,7 @@ pub enum GpuError {
     },
     /// The device can't find silhouettes in the way that was asked for.
     #[error(
-        "{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU (--silhouettes cpu)"
+        "{adapter} can't find silhouettes so, as it lacks what that takes; find them on the CPU (--silhouette auto)"
     )]
     NoSilhouettes {
         /// The adapter's label.

@@ -1,16 +1,25 @@
 //! How shadows are determined: the method, who casts, and a switch for everything that may be left out.
 
 use clap::{Args, ValueEnum};
+use umbrae_core::FinderKind;
 use umbrae_render::{ShadowOptions, SilhouetteSource};
 
 use crate::cast::{CastChoice, Pattern};
 
-/// Where silhouettes are found.
+/// How silhouettes are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub enum Silhouettes {
-    /// Light by light, in double precision
+pub enum Silhouette {
+    /// On the CPU, as suits each mesh
     #[default]
-    Cpu,
+    Auto,
+    /// Facing bits of all faces, then every edge through them
+    Scan,
+    /// A tree over the edges in dual space
+    Dual,
+    /// A tree over the surface with cones of normals
+    Cones,
+    /// What has changed since the last light
+    Coherent,
     /// By compute shaders, for all lights at once; the report can't tell what only the GPU knows
     Gpu,
     /// In textures, for all lights at once, with no more than WebGL2 has; the report can't tell either
@@ -64,9 +73,9 @@ pub struct ShadowArgs {
     #[arg(long, default_value = "auto")]
     method: Method,
 
-    /// Where silhouettes are found; changes no picture, only its cost
-    #[arg(long, value_name = "WHERE", default_value = "cpu", hide_short_help = true)]
-    silhouettes: Silhouettes,
+    /// How silhouettes are found; changes no picture, only its cost
+    #[arg(long, value_name = "HOW", default_value = "auto", hide_short_help = true)]
+    silhouette: Silhouette,
 
     /// How pixels that a light can't change are kept out of counting; changes no picture, only its cost
     #[arg(long, value_name = "KIND", default_value = "exact", hide_short_help = true, help_heading = WORTH)]
@@ -126,11 +135,7 @@ impl ShadowArgs {
     pub fn options(&self) -> ShadowOptions {
         ShadowOptions {
             method: self.method.into(),
-            silhouettes: match self.silhouettes {
-                Silhouettes::Cpu => SilhouetteSource::Auto,
-                Silhouettes::Gpu => SilhouetteSource::Gpu,
-                Silhouettes::GpuBasic => SilhouetteSource::GpuBasic,
-            },
+            silhouettes: self.silhouette.into(),
             cull_lights: !(self.no_cull || self.no_light_cull),
             cull_unreached: !(self.no_cull || self.no_reach_cull),
             cull_unseen: !(self.no_cull || self.no_view_cull),
@@ -138,6 +143,18 @@ impl ShadowArgs {
             light_scissor: !(self.no_scissor || self.no_light_scissor),
             caster_scissor: !(self.no_scissor || self.no_caster_scissor),
             light_mark: if self.no_light_mark { LightMark::Off } else { self.light_mark }.into(),
+        }
+    }
+}
+
+impl Silhouette {
+    /// As on the command line and in reports.
+    pub fn name(source: SilhouetteSource) -> &'static str {
+        match source {
+            SilhouetteSource::Auto => "auto",
+            SilhouetteSource::Cpu(kind) => kind.name(),
+            SilhouetteSource::Gpu => "gpu",
+            SilhouetteSource::GpuBasic => "gpu-basic",
         }
     }
 }
@@ -162,6 +179,20 @@ impl LightMark {
             umbrae_render::LightMark::Exact => "exact",
             umbrae_render::LightMark::Select => "select",
             umbrae_render::LightMark::Receivers => "receivers",
+        }
+    }
+}
+
+impl From<Silhouette> for SilhouetteSource {
+    fn from(silhouette: Silhouette) -> Self {
+        match silhouette {
+            Silhouette::Auto => Self::Auto,
+            Silhouette::Scan => Self::Cpu(FinderKind::Scan),
+            Silhouette::Dual => Self::Cpu(FinderKind::Dual),
+            Silhouette::Cones => Self::Cpu(FinderKind::Cones),
+            Silhouette::Coherent => Self::Cpu(FinderKind::Coherent),
+            Silhouette::Gpu => Self::Gpu,
+            Silhouette::GpuBasic => Self::GpuBasic,
         }
     }
 }
@@ -208,12 +239,14 @@ mod tests {
     }
 
     #[test]
-    fn silhouettes_are_found_where_one_says() {
-        let on_gpu = ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..ShadowOptions::default() };
-        assert_eq!(options("--silhouettes gpu"), on_gpu);
-        let in_textures = ShadowOptions { silhouettes: SilhouetteSource::GpuBasic, ..on_gpu };
-        assert_eq!(options("--silhouettes gpu-basic"), in_textures);
-        assert_eq!(options("--silhouettes cpu"), ShadowOptions::default());
+    fn silhouettes_are_found_as_one_says() {
+        for choice in Silhouette::value_variants() {
+            let name = choice.to_possible_value().expect("none is hidden").get_name().to_owned();
+            let silhouettes = (*choice).into();
+            let expected = ShadowOptions { silhouettes, ..ShadowOptions::default() };
+            assert_eq!(options(&format!("--silhouette {name}")), expected);
+            assert_eq!(Silhouette::name(silhouettes), name);
+        }
     }
 
     #[test]

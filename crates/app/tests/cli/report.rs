@@ -33,8 +33,21 @@ fn the_report_has_every_key() {
     assert_eq!(
         keys(&report),
         [
-            "adapter", "camera", "ground", "left_out", "lights", "method", "models", "origin", "passes", "posing",
-            "samples", "times_ms", "verify", "version"
+            "adapter",
+            "camera",
+            "ground",
+            "left_out",
+            "lights",
+            "method",
+            "models",
+            "origin",
+            "passes",
+            "posing",
+            "samples",
+            "silhouette",
+            "times_ms",
+            "verify",
+            "version"
         ]
     );
     assert!(report["adapter"].as_str().is_some_and(|label| !label.is_empty()));

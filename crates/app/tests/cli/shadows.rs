@@ -52,14 +52,21 @@ fn no_switch_changes_what_is_lit() {
         &["--no-light-mark"],
         &["--light-mark", "exact"],
         &["--light-mark", "select"],
-        &["--silhouettes", "gpu"],
-        &["--silhouettes", "gpu", "--method", "zfail"],
+        &["--silhouette", "auto"],
+        &["--silhouette", "scan"],
+        &["--silhouette", "dual"],
+        &["--silhouette", "cones"],
+        &["--silhouette", "coherent"],
+        &["--silhouette", "gpu"],
+        &["--silhouette", "gpu", "--method", "zfail"],
         &["--method", "zfail"],
         &["--method", "eye-count"],
         &["--no-cull", "--no-scissor", "--no-light-mark", "--method", "zfail"],
     ];
     for switch in switches {
         let (report, mask) = determined(&place, &[&LIGHTS[..], switch].concat());
+        let silhouette = if let ["--silhouette", name, ..] = switch { name } else { "auto" };
+        assert_eq!(report["silhouette"], silhouette);
         assert!(mask == expected, "{switch:?} changes the mask");
         assert!(report["lights"].as_array().is_some_and(|lights| lights.len() == 3));
     }
@@ -68,7 +75,7 @@ fn no_switch_changes_what_is_lit() {
 #[test]
 fn the_report_leaves_out_what_only_the_gpu_knows() {
     let place = Place::new();
-    let (report, _) = determined(&place, &[&LIGHTS[..], &["--silhouettes", "gpu"]].concat());
+    let (report, _) = determined(&place, &[&LIGHTS[..], &["--silhouette", "gpu"]].concat());
     let lights = report["lights"].as_array().expect("a list");
     let casters = lights.iter().flat_map(|light| light["casters"].as_array().expect("a list"));
     let (mut drawn, mut left_out) = (0, 0);

@@ -8,7 +8,7 @@ use crate::files::{BOX, Place};
 #[test]
 fn every_command_explains_itself() {
     let place = Place::new();
-    for command in ["", "render", "inspect", "sample", "doctor", "completions"] {
+    for command in ["", "render", "inspect", "sample", "bench", "bench silhouettes", "doctor", "completions"] {
         let args: Vec<&str> = command.split_whitespace().chain(["--help"]).collect();
         let output = place.umbrae(&args).success().stderr("").get_output().stdout.clone();
         let help = String::from_utf8(output).expect("help is text");

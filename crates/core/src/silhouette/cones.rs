@@ -14,6 +14,7 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use borsh::{BorshDeserialize, BorshSerialize};
 use glam::Vec3;
 
 use crate::Caster;
@@ -43,7 +44,7 @@ pub(super) struct Cone {
 }
 
 /// Sixteen cones and the spheres of their points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct Cones {
     middle: [[f32; CHILDREN]; 3],
     radius: [f32; CHILDREN],
@@ -92,6 +93,10 @@ impl Bound for Cone {
             open |= u16::from(is_child && height <= w * cones.radius[i] + margin + ROUNDING) << i;
         }
         open
+    }
+
+    fn is_none(cones: &Cones, i: usize) -> bool {
+        cones.radius[i] < 0.0
     }
 
     fn join(bounds: &[Self]) -> Self {

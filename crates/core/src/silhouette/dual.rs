@@ -18,6 +18,8 @@
 //! Rounding of products and sums is monotone, so the height of the least corner, rounded, is no more than that of any point in the box, rounded: no edge
 //! is ever missed, and no box need be widened.
 
+use borsh::{BorshDeserialize, BorshSerialize};
+
 use super::edges::Edges;
 use super::faces::Faces;
 use super::hierarchy::{Bound, Bounding, Trees};
@@ -36,7 +38,7 @@ pub(super) struct Box4 {
 }
 
 /// Sixteen boxes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct Boxes {
     min: [[f32; CHILDREN]; 4],
     max: [[f32; CHILDREN]; 4],
@@ -77,6 +79,11 @@ impl Bound for Box4 {
             }
         }
         simd::cut(lowest, highest, hyperplane, margin)
+    }
+
+    fn is_none(boxes: &Boxes, i: usize) -> bool {
+        let is = |corner: &[[f32; CHILDREN]; 4], place: f32| corner.iter().all(|axis| axis[i] == place);
+        is(&boxes.min, f32::INFINITY) && is(&boxes.max, f32::NEG_INFINITY)
     }
 
     fn join(bounds: &[Self]) -> Self {

@@ -3,6 +3,7 @@
 //! Nearly all are pairs: two faces walk the edge in opposite directions, and it is silhouette exactly where their coefficients differ. In dual space a
 //! pair is the segment between two points. All others (borders, fans, faces that walk an edge the same way) are summed as they are.
 
+use borsh::{BorshDeserialize, BorshSerialize};
 use rayon::prelude::*;
 
 use crate::{Caster, Topology};
@@ -10,7 +11,7 @@ use crate::{Caster, Topology};
 use super::faces::{Faces, FramedLight};
 
 /// Edges between faces, sorted by how they are tested.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, BorshDeserialize, BorshSerialize)]
 pub(super) struct Edges {
     /// The faces of each pair; the first walks it from its start to its end, the second back. Those of closed components come first.
     pub(super) pairs: Vec<[u32; 2]>,
@@ -27,7 +28,7 @@ pub(super) struct Edges {
 }
 
 /// An edge with the faces `odd_faces[first..last]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct OddEdge {
     pub(super) ends: [u32; 2],
     pub(super) first: u32,
@@ -35,7 +36,7 @@ pub(super) struct OddEdge {
 }
 
 /// How often a face walks an odd edge from start to end, less how often back.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct OddFace {
     pub(super) face: u32,
     pub(super) times: i32,
@@ -118,6 +119,27 @@ impl Edges {
             let m = self.faces_of(edge).iter().map(|on| on.times * c(on)).sum();
             super::add_side(found, edge.ends, m);
         }
+    }
+
+    /// Whether no number in them leads out of them, out of `faces` or out of `caster`; `has_pairs` is false where pairs were forgotten.
+    pub(super) fn are_whole(&self, faces: &Faces, caster: &Caster, has_pairs: bool) -> bool {
+        let is_face = |face: u32| (face as usize) < faces.len();
+        let is_vertex = |vertex: &u32| (*vertex as usize) < caster.positions.len();
+        let has_good_pairs = self.pairs.len() == self.pair_ends.len()
+            && (if has_pairs { self.closed_pairs <= self.pairs.len() } else { self.pairs.is_empty() })
+            && self.pairs.as_flattened().iter().all(|&face| is_face(face))
+            && self.pair_ends.as_flattened().iter().all(is_vertex);
+        // The coefficients of an edge are summed, and so often is it listed.
+        let walks: u64 = self.odd_faces.iter().map(|on| u64::from(on.times.unsigned_abs())).sum();
+        let ranges_follow = self.odd.iter().try_fold(0, |next, edge| {
+            (edge.first == next && edge.first <= edge.last && edge.last as usize <= self.odd_faces.len())
+                .then_some(edge.last)
+        });
+        has_good_pairs
+            && ranges_follow.is_some()
+            && walks <= 3 * caster.mesh.triangles().len() as u64
+            && self.odd_faces.iter().all(|on| is_face(on.face))
+            && self.odd.iter().all(|edge| edge.ends.iter().all(is_vertex))
     }
 
     pub(super) fn bytes(&self) -> usize {

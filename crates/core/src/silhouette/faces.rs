@@ -16,6 +16,7 @@
 //! is at most 1, so that dual points lie in the unit hypercube, and `f32` loses no more of a plane than it has lost of the corners.
 //! G. Wallner 2007, section 4, scales each dual point to length 1 instead; then a product is no distance, and edge-on can't be told from it.
 
+use borsh::{BorshDeserialize, BorshSerialize};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -42,7 +43,7 @@ const HEIGHT_ROUNDING: f64 = 4e-7;
 pub(crate) const EDGE_ON: f64 = 4e-7;
 
 /// The planes of a caster's flat faces.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct Faces {
     /// `[nx, ny, nz, -d]` of each face: those of closed components first, then padding to whole words, then the others and padding
     /// again. Padding is 0, and so is the plane of a triangle without area: no light is above it.
@@ -53,11 +54,13 @@ pub(super) struct Faces {
     pub(super) of_triangle: Vec<u32>,
     /// How many faces there are, without padding.
     pub(super) count: usize,
+    /// Follows from the caster: see [`Faces::place_as`].
+    #[borsh(skip)]
     frame: Frame,
 }
 
 /// Where the space of the planes lies in the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Frame {
     middle: DVec3,
     /// The caster's size in it is 1.
@@ -152,6 +155,22 @@ impl Faces {
     pub(super) fn places(&self, caster: &Caster) -> Vec<Vec3> {
         let frame = &self.frame;
         caster.positions.iter().map(|p| ((p.as_dvec3() - frame.middle) * frame.per_metre).as_vec3()).collect()
+    }
+
+    /// Lays faces that were read where those of `caster` are.
+    pub(super) fn place_as(&mut self, caster: &Caster) {
+        self.frame = Frame::of(caster);
+    }
+
+    /// Whether no number in them leads out of them or out of `caster`.
+    pub(super) fn are_whole(&self, caster: &Caster) -> bool {
+        let len = self.len();
+        let is_padded = len.is_multiple_of(WORD) && self.closed.is_multiple_of(WORD) && self.closed <= len;
+        is_padded
+            && self.count <= len
+            && self.planes.iter().all(|axis| axis.len() == len)
+            && self.of_triangle.len() == caster.mesh.triangles().len()
+            && self.of_triangle.iter().all(|&face| (face as usize) < len)
     }
 
     pub(super) fn bytes(&self) -> usize {

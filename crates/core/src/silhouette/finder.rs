@@ -74,7 +74,7 @@ pub struct Finder {
 }
 
 #[derive(Debug, Clone)]
-enum Method {
+pub(super) enum Method {
     Plain(PlanesInRows),
     Scan,
     Dual(Trees<Box4>),
@@ -126,8 +126,17 @@ impl Finder {
         if matches!(method, Method::Dual(_) | Method::Cones(_)) {
             edges.drop_pairs();
         }
+        Self::of_parts(caster, faces, edges, method)
+    }
+
+    /// A finder for `caster`, of what was found out about it.
+    pub(super) fn of_parts(caster: &Caster, faces: Faces, edges: Edges, method: Method) -> Self {
         let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
         Self { id, topology: caster.topology.clone(), faces, edges, method }
+    }
+
+    pub(super) fn parts(&self) -> (&Faces, &Edges, &Method) {
+        (&self.faces, &self.edges, &self.method)
     }
 
     /// How it finds.

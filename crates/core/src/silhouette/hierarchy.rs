@@ -1,5 +1,6 @@
 //! Packets, and a tree over them: nodes of sixteen children, split where they are spread widest.
 
+use borsh::{BorshDeserialize, BorshSerialize};
 use rayon::prelude::*;
 
 use super::edges::Edges;
@@ -13,7 +14,7 @@ const SPLITS: u32 = CHILDREN.ilog2();
 const MANY: usize = 1 << 12;
 
 /// A child of a node, in 32 bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshDeserialize, BorshSerialize)]
 pub(super) struct Child(u32);
 
 /// What a child is: a node or a packet, and its number.
@@ -43,11 +44,13 @@ impl Child {
 /// What a tree keeps of its edges to tell whether a light can have any of them in its silhouette.
 pub(super) trait Bound: Clone + Send + Sync {
     /// The bounds of a node's children, as they are tested: all at once.
-    type Sixteen: std::fmt::Debug + Clone + PartialEq;
+    type Sixteen: std::fmt::Debug + Clone + PartialEq + BorshDeserialize + BorshSerialize;
     /// Of at most sixteen.
     fn sixteen(bounds: &[Self]) -> Self::Sixteen;
     /// Bit `i` is set where an edge in child `i` may be silhouette, or the light no more than `margin` above or below a face there.
     fn open(sixteen: &Self::Sixteen, hyperplane: [f32; 4], margin: f32) -> u16;
+    /// Whether bound `i` is that of no child, which no light opens.
+    fn is_none(sixteen: &Self::Sixteen, i: usize) -> bool;
     /// What holds all that each of `bounds` holds.
     fn join(bounds: &[Self]) -> Self;
 }
@@ -61,9 +64,11 @@ pub(super) trait Bounding<B, const N: usize>: Sync {
 }
 
 /// Two trees: closed components, and others, where a light may also be in a plane.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 pub(super) struct Trees<B: Bound> {
+    #[borsh(bound(serialize = "", deserialize = ""))]
     closed: Tree<B>,
+    #[borsh(bound(serialize = "", deserialize = ""))]
     others: Tree<B>,
 }
 
@@ -79,22 +84,29 @@ impl<B: Bound> Trees<B> {
         self.closed.find(light, true, open, found) + self.others.find(light, false, open, found)
     }
 
+    /// Whether no number in them leads out of them, or to a vertex that is not among `vertices`.
+    pub(super) fn are_whole(&self, vertices: usize) -> bool {
+        [&self.closed, &self.others].iter().all(|tree| tree.is_whole(vertices))
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.closed.bytes() + self.others.bytes()
     }
 }
 
 /// A tree with bounds of kind `B`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 struct Tree<B: Bound> {
     /// The first is the root; none where there is no edge.
+    #[borsh(bound(serialize = "", deserialize = ""))]
     nodes: Vec<Node<B>>,
     /// In the order in which the tree is walked.
     packets: Vec<Packet>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 struct Node<B: Bound> {
+    #[borsh(bound(serialize = "", deserialize = ""))]
     bounds: B::Sixteen,
     children: [Child; CHILDREN],
 }
@@ -171,6 +183,24 @@ impl<B: Bound> Tree<B> {
             tested += self.packets[number as usize].add_silhouette(light, is_closed, found);
         }
         tested
+    }
+
+    /// Whether every node but the root, and every packet, is the child of one node that comes before it, so that each is met once at most.
+    fn is_whole(&self, vertices: usize) -> bool {
+        let mut is_met = [vec![false; self.nodes.len()], vec![false; self.packets.len()]];
+        let mut meets = |number: usize, node: &Node<B>, i: usize| match node.children[i] {
+            Child::NONE => B::is_none(&node.bounds, i),
+            child => {
+                let (kind, at, is_after) = match child.kind() {
+                    ChildKind::Node(at) => (0, at as usize, at as usize > number),
+                    ChildKind::Packet(at) => (1, at as usize, true),
+                };
+                is_after && is_met[kind].get_mut(at).is_some_and(|is_met| !std::mem::replace(is_met, true))
+            }
+        };
+        let mut nodes = self.nodes.iter().enumerate();
+        nodes.all(|(number, node)| (0..CHILDREN).all(|i| meets(number, node, i)))
+            && self.packets.iter().all(|packet| packet.is_whole(vertices))
     }
 
     fn bytes(&self) -> usize {

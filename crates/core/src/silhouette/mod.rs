@@ -7,6 +7,7 @@
 //!   simd       what runs on many at once           cones      a tree over triangles with cones of normals
 //!   finder     one door to all                     coherent   what has changed since the last light
 //!   keeper     which of them a caster deserves    normals    the tree over vertex normals
+//!   saved      a finder as bytes, and back
 //! ```
 //!
 //! All finders read one set of planes and evaluate one expression for each, so they find the same edges, bit for bit.
@@ -26,6 +27,7 @@ mod keeper;
 mod normals;
 mod packets;
 mod plain;
+mod saved;
 mod scan;
 mod simd;
 #[cfg(test)]
@@ -37,6 +39,7 @@ pub(crate) use faces::EDGE_ON;
 pub use finder::{Finder, FinderKind, Found};
 pub use keeper::{Outline, Silhouettes};
 pub use normals::NormalFinder;
+pub use saved::SavedError;
 
 /// An edge of the boundary, with its orientation and how often it is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

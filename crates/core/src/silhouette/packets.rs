@@ -9,6 +9,7 @@
 //! Neighbours share planes, so a packet needs fewer planes than edges, and all that it needs is in one place: nothing is fetched from elsewhere, and a
 //! packet takes about as long as ten edges do through a table of bits.
 
+use borsh::{BorshDeserialize, BorshSerialize};
 use rustc_hash::FxHashMap;
 
 use super::edges::Edges;
@@ -22,7 +23,7 @@ pub(super) const PLANES_AT_ONCE: usize = 8;
 pub(super) type PlaneGroup = [[f32; PLANES_AT_ONCE]; 4];
 
 /// Up to 64 edges and the planes of their faces, in one place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, BorshDeserialize, BorshSerialize)]
 #[repr(C, align(64))]
 pub(super) struct Packet {
     /// Which of the planes is that of each edge's first face; the same as `second` where there is no edge.
@@ -95,6 +96,16 @@ impl Packet {
         }
         packet.group_count = numbers.len().div_ceil(PLANES_AT_ONCE) as u32;
         packet
+    }
+
+    /// Whether no number in it leads out of it, or to a vertex that is not among `vertices`.
+    pub(super) fn is_whole(&self, vertices: usize) -> bool {
+        let planes = self.group_count as usize * PLANES_AT_ONCE;
+        let is_vertex = |ends: &u64| bytemuck::cast::<u64, [u32; 2]>(*ends).iter().all(|&v| (v as usize) < vertices);
+        planes <= WORD
+            && self.edge_count as usize <= WORD
+            && self.first.iter().chain(&self.second).all(|&plane| usize::from(plane) < WORD)
+            && self.ends.iter().all(is_vertex)
     }
 
     /// A packet of 64 edges between the first and the second of each of `pairs`, numbers of `planes`.

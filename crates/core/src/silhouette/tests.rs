@@ -1,5 +1,7 @@
 //! Every finder finds what the chain's boundary is, and the two ways of doing many at once give the same bits.
 
+mod saved;
+
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};

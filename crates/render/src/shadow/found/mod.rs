@@ -7,11 +7,13 @@
 //!   basic      the same in textures                                     render passes
 //!   pipelines  volumes from lists or textures
 //!   read       what was found, for tests
+//!   alone      how long finding takes
 //!   sums       counts where the stencil can't count as far
 //! ```
 //!
 //! What is drawn of a light is a [`ShadowLight`], as it is where silhouettes come from the CPU, and is drawn by the same calls.
 
+mod alone;
 pub(crate) mod basic;
 mod full;
 mod jobs;

@@ -1,0 +1,54 @@
+//! What can be measured.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::Up;
+
+/// What to measure.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// How long each way of finding silhouettes takes
+    Silhouettes(SilhouettesArgs),
+}
+
+/// How long each way of finding silhouettes takes
+///
+/// All ways find the silhouettes of the same models (all objects of a file together) under the same lights: suns and lamps far away, lamps near by,
+/// inside, and in the planes of faces. On the CPU, `plain` is a loop over the edges, `scan` the same with facing bits, `dual` and
+/// `cones` are trees, and `coherent` looks at what has changed since the last light; all on one thread, in turns, each light five times. On the GPU, `gpu`
+/// has compute shaders and `gpu-basic` what WebGL2 has; they find all lights at once, and are left out where there is no adapter for them.
+///
+/// Times are microseconds for each light, by the clock of the processor or the GPU. What `coherent` takes depends on how far lights are apart: in the table it has
+/// two rows, one for the same lights as the others, and one for the sun of a midsummer day at 48 degrees north, minute by minute.
+#[derive(Debug, Args)]
+pub struct SilhouettesArgs {
+    /// Models, each measured alone: .glb .gltf .obj .ply .ply.gz .stl
+    #[arg(required = true, value_name = "MODEL")]
+    pub models: Vec<PathBuf>,
+
+    /// How many lights; the same ones on every run
+    #[arg(
+        long,
+        value_name = "COUNT",
+        default_value = "64",
+        value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHTS),
+        allow_hyphen_values = true
+    )]
+    pub lights: u32,
+
+    /// Print JSON: one object, or with several models an array of them; each `{"model", "triangles", "edges", "finders": [{"name", "build_ms", "bytes",
+    /// "median_us", "p95_us", "edges_tested", "edges_found", "equal"}]}`. Edges are means over the lights, and `equal` is whether every light's
+    /// silhouette is the scan's (of a GPU: but for triangles that rounding may take for edge-on). Times and edges tested of `coherent` are those of the
+    /// sun's minutes
+    #[arg(long)]
+    pub json: bool,
+
+    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
+    #[arg(long, value_name = "AXIS")]
+    pub up: Option<Up>,
+}
+
+/// Of each light, what five ways find is compared.
+const MAX_LIGHTS: i64 = 100_000;
