@@ -71,7 +71,7 @@ fn measure(renderer: &Renderer, path: &Path) -> anyhow::Result<()> {
             ensure!(times < BAR, "{count} lights take {times:.2} times what one takes, and {BAR} are allowed");
         }
         let on_cpu_ms = (0..=FRAMES).map(|_| {
-            let own = pollster::block_on(renderer.picture(&by(SilhouetteSource::Cpu)))?;
+            let own = pollster::block_on(renderer.picture(&by(SilhouetteSource::Auto)))?;
             Ok(own.lights.iter().map(|light| light.cpu_ms).sum::<f64>())
         });
         println!("{count:>4} lights: {:.3} ms on the CPU", median(on_cpu_ms.collect::<anyhow::Result<_>>()?));

@@ -15,9 +15,9 @@ use std::path::Path;
 
 use umbrae::output::png;
 use umbrae::verify::error_picture;
-use umbrae_core::{Camera, Judgement, Light, Oracle};
+use umbrae_core::{Camera, FinderKind, Judgement, Light, Oracle};
 use umbrae_render::{
-    AdapterChoice, Gpu, GpuScene, Look, Mask, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
+    AdapterChoice, Gpu, GpuScene, Mask, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
 };
 
 use self::subjects::{Source, Subject, sources};
@@ -25,6 +25,10 @@ use self::subjects::{Source, Subject, sources};
 const SIZE_PX: [u32; 2] = [240, 180];
 /// Of the surface pixels of the median model.
 const LEAST_DECIDED: f64 = 0.95;
+
+/// Ways to find silhouettes by which every mask is drawn, besides the CPU's: of those one after the other, a mask each.
+const FOUND: [(&str, SilhouetteSource); 2] =
+    [("the GPU", SilhouetteSource::Gpu), ("the GPU with no more than WebGL2", SilhouetteSource::GpuBasic)];
 
 /// One subject's line in the table.
 #[derive(Default)]
@@ -117,6 +121,8 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
     let gpu_scene = GpuScene::new(renderer.gpu(), casters, &scene.materials, &scene.textures).unwrap();
     let oracle = Oracle::with_materials(casters, &scene.materials, &scene.textures);
     let mut rules_off = RulesOff::new();
+    let by_kind = |kind: FinderKind| (kind.name(), SilhouetteSource::Cpu(kind));
+    let mut finders_in_turn = FinderKind::ALL.map(by_kind).into_iter().cycle();
     for (which, camera) in subject.cameras.iter().enumerate() {
         let judged = oracle.judge(camera, &subject.lights, || ());
         for (light, judgements) in subject.lights.iter().zip(&judged) {
@@ -126,15 +132,18 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
             line.needed_zfail +=
                 usize::from(auto.light.casters.iter().any(|c| c.case().is_some_and(|case| case.number() > 1)));
             line.compare(&auto, judgements, &format!("{place}, auto"));
-            let found = |method: Method| ShadowOptions { silhouettes: SilhouetteSource::Gpu, ..method.into() };
-            for (name, shadows) in [
-                ("z-fail", ShadowOptions::from(Method::ZFail)),
-                ("eye count", Method::EyeCount.into()),
-                ("auto, found on the GPU", found(Method::Auto)),
-                ("z-fail, found on the GPU", found(Method::ZFail)),
-            ] {
-                line.compare(&draw(shadows), judgements, &format!("{place}, {name}"));
+            for (name, method) in [("z-fail", Method::ZFail), ("eye count", Method::EyeCount)] {
+                line.compare(&draw(ShadowOptions::from(method)), judgements, &format!("{place}, {name}"));
             }
+            for (name, silhouettes) in FOUND {
+                for method in [Method::Auto, Method::ZFail] {
+                    let mask = draw(ShadowOptions { silhouettes, ..method.into() });
+                    line.compare(&mask, judgements, &format!("{place}, {method:?}, silhouettes by {name}"));
+                }
+            }
+            let (name, silhouettes) = finders_in_turn.next().expect("they go round");
+            let mask = draw(ShadowOptions { silhouettes, ..ShadowOptions::default() });
+            line.compare(&mask, judgements, &format!("{place}, silhouettes by {name}"));
             for (rule, shadows) in rules_off.next() {
                 line.compare_rule(&auto, &draw(shadows), judgements, &format!("{place}, {rule}"));
             }
@@ -151,16 +160,7 @@ fn mask(
     light: &Light,
     shadows: ShadowOptions,
 ) -> Mask {
-    let shot = Shot {
-        scene: gpu_scene,
-        casters: &subject.casters,
-        camera,
-        lights: &[],
-        shadows,
-        look: &Look::NONE,
-        overlay: None,
-        spheres: &[],
-    };
+    let shot = Shot { shadows, ..Shot::new(gpu_scene, &subject.casters, camera, &[]) };
     pollster::block_on(renderer.mask(&shot, light)).unwrap()
 }
 

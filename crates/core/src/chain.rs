@@ -13,6 +13,7 @@
 //! Sources: F. C. Crow 1977 for closed bodies; the second class follows the multiplicities of J. Peciva et al. 2013 and B. Kim
 //! et al. 2008, written as a chain.
 
+use crate::silhouette::EDGE_ON;
 use crate::{Caster, LightPosition};
 
 /// How the triangles of one component count.
@@ -59,10 +60,6 @@ struct Turn {
     /// The light is in its plane, as far as `f32` can tell.
     is_edge_on: bool,
 }
-
-/// A light nearer to a plane than this, relative to the coordinates' size (or with a cosine below it), is in the plane: a few roundings of
-/// `f32` (2^-24 each) may put it on either side.
-const EDGE_ON: f64 = 4e-7;
 
 /// For each triangle of a caster the coefficient -1, 0 or +1 with which it casts from one light.
 ///

@@ -274,45 +274,20 @@ impl Oracle {
         if is_reached == Some(false) {
             return Some(Verdict::Dark);
         }
-        let distance = to_light.length();
-        let cosine = seen.normal.dot(to_light) / distance;
-        // A light on the surface itself leaves no cosine, which is not a number.
-        if cosine.is_nan() || cosine.abs() <= EDGE_ON {
-            return None;
-        }
-        if cosine < 0.0 {
+        if !faces(seen.normal, to_light)? {
             return Some(Verdict::Dark);
         }
-        let is_shaded = self.is_shaded(seen.point, to_light, distance, light.position, in_the_way)?;
+        let is_shaded = self.spheres.iter().any(|sphere| sphere.shades(seen.point, light.position))
+            || self.is_shaded_by_triangles(seen.point, light.position, in_the_way)?;
         if is_shaded { Some(Verdict::Dark) } else { is_reached.map(|_| Verdict::Lit) }
     }
 
-    /// Whether something between `point` and the light casts, and leaves in `in_the_way` what it is; `None` where all
-    /// that is there holds the light in its plane.
-    fn is_shaded(
-        &self,
-        point: DVec3,
-        to_light: DVec3,
-        distance: f64,
-        light: LightPosition,
-        in_the_way: &mut Option<Hit>,
-    ) -> Option<bool> {
-        if self.spheres.iter().any(|sphere| sphere.shades(point, light)) {
-            return Some(true);
-        }
-        self.is_shaded_by_triangles(point, to_light, distance, light, in_the_way)
-    }
-
-    fn is_shaded_by_triangles(
-        &self,
-        point: DVec3,
-        to_light: DVec3,
-        distance: f64,
-        light: LightPosition,
-        in_the_way: &mut Option<Hit>,
-    ) -> Option<bool> {
+    /// Whether a triangle between `point` and the light casts, and leaves in `in_the_way` which; `None` where all that
+    /// are there hold the light in their planes.
+    fn is_shaded_by_triangles(&self, point: DVec3, light: LightPosition, in_the_way: &mut Option<Hit>) -> Option<bool> {
         let casting = self.casting();
-        let (start, end) = (self.lift / distance, if light.is_directional() { f64::INFINITY } else { 1.0 });
+        let to_light = light.offset_from(point);
+        let (start, end) = (self.lift / to_light.length(), if light.is_directional() { f64::INFINITY } else { 1.0 });
         let mut is_beside = false;
         *in_the_way = casting.any_hit_where(point, to_light, start, end, in_the_way.as_ref(), |hit| {
             let holds_light = self.holds_light(hit, light);
@@ -334,6 +309,13 @@ impl Oracle {
         };
         normal.dot(to_light).abs() <= blur * normal.length()
     }
+}
+
+/// Whether a surface with the unit `normal` is turned to the light; `None` where it is edge-on.
+fn faces(normal: DVec3, to_light: DVec3) -> Option<bool> {
+    let cosine = normal.dot(to_light) / to_light.length();
+    // A light on the surface itself leaves no cosine, but what is not a number: that is edge-on, too.
+    (cosine.abs() > EDGE_ON).then_some(cosine > 0.0)
 }
 
 /// A camera made ready for many rays.

@@ -22,20 +22,24 @@
 //!
 //! Not in the papers. M. McGuire et al. 2003, section 4, names the limit (a staircase with the light at its top) and leaves it.
 
+mod columns;
+mod sweep;
+
 use glam::{DVec3, Vec3};
+
+use self::columns::Columns;
+use self::sweep::Sweep;
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume};
 
-/// A bound as low as this is not worth a grid.
+/// Where the bound is as low as this, it is not worth a grid.
 const LOW: i64 = 8;
-/// A bound as low as this is not worth a finer grid: it leaves half of what seven bits can count to others.
+/// Where the bound is as low as this, it is not worth a finer grid: it leaves half of what seven bits can count to others.
 const FAIR: i64 = 64;
-/// Rows and columns of the coarsest grid and the finest; the first is as fine as there are edges to fill it.
+/// Rows and columns of the coarsest grid and the finest, powers of two; the first is as fine as there are edges to fill it.
 const CELLS: [usize; 2] = [32, 512];
 /// Cells are widened by this part of their size on each side.
 const WIDENED: f64 = 2e-3;
-/// While the line is swept, corners nearer to each other than this part of its way may come in either order.
-const TOGETHER: f64 = 1e-6;
 /// An edge across less than this part of a column is as good as parallel to it.
 const UPRIGHT: f64 = 1e-2;
 /// A grid is wider than the caster by this, relative to its coordinates, so that they differ by more than rounding across a cell.
@@ -45,10 +49,14 @@ const AT_AXIS: f64 = 1e-9;
 
 /// A number that the count of `volume`, of `caster` and `light`, reaches nowhere above.
 ///
-/// At most the number of triangles of the light cap; 1 for a convex body. Takes a few tenths of a microsecond for each silhouette edge, and more
-/// where the number is large or the light is in the caster's box.
+/// At most [`ShadowVolume::most_triangles`]; 1 for a convex body. Takes a few tenths of a microsecond for each silhouette edge, and more
+/// where the number is large or the light [is in the caster's box](needs_light_cap).
+///
+/// # Panics
+///
+/// If the light is in the caster's box and `volume` is one of sides alone.
 pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPosition) -> u32 {
-    let triangles = volume.light_cap.len();
+    let triangles = volume.most_triangles;
     let most = if triangles <= 1 {
         triangles as i64
     } else if let Some(ahead) = ahead(caster, light) {
@@ -57,15 +65,21 @@ pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPositio
         let chart = Chart::around(light, [right, up, ahead], &caster.bounds);
         let upright = Chart::around(light, [up, -right, ahead], &caster.bounds);
         let swept = upright.sweep(caster, volume).most(Poles::default(), 1)[0];
-        if swept <= LOW { swept } else { swept.min(chart.most(caster, volume, Poles::default())) }
+        if swept <= LOW { swept } else { swept.min(chart.most(caster, volume, Poles::default(), 0)) }
     } else {
+        assert!(!volume.light_cap.is_empty(), "around a light in its box, a volume is told from its cap");
         let axis = DVec3::Z;
         let poles = Poles::new(caster, volume, light, axis);
         let around = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let charts = around.map(|ahead| Chart::quarter(light, [ahead.cross(axis), axis, ahead]));
-        charts.iter().map(|chart| chart.most(caster, volume, poles)).max().unwrap_or(0)
+        charts.iter().fold(0, |most, chart| most.max(chart.most(caster, volume, poles, most)))
     };
     most.clamp(0, triangles as i64) as u32
+}
+
+/// Whether [`most_overlaps`] needs the light cap: where `light` is in the box of `caster`.
+pub fn needs_light_cap(caster: &Caster, light: LightPosition) -> bool {
+    ahead(caster, light).is_none()
 }
 
 /// A direction from the light that all of the caster's box is strictly ahead in; `None` when the light is in the box.
@@ -140,6 +154,8 @@ struct Chart {
     /// What the grid covers, as [`Chart::mapped`] has it.
     min: [f64; 2],
     max: [f64; 2],
+    /// Of the grid's width and height, for each unit of what it covers.
+    per_unit: [f64; 2],
     /// Whether there are three more around the light, and this one ends where it is as far to the side as ahead.
     is_quarter: bool,
 }
@@ -151,7 +167,7 @@ impl Chart {
     /// Over what is seen of `bounds`, which are ahead of the light.
     fn around(light: LightPosition, axes: [DVec3; 3], bounds: &Bounds) -> Self {
         let (min, max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let mut chart = Self { light, axes, min, max, is_quarter: false };
+        let mut chart = Self { light, axes, min, max, per_unit: [0.0; 2], is_quarter: false };
         for corner in bounds.corners() {
             let mapped = chart.mapped(chart.flat(corner));
             for (i, at) in mapped.into_iter().enumerate() {
@@ -160,11 +176,12 @@ impl Chart {
                 chart.max[i] = chart.max[i].max(at + border);
             }
         }
+        chart.per_unit = std::array::from_fn(|i| 1.0 / (chart.max[i] - chart.min[i]));
         chart
     }
 
     fn quarter(light: LightPosition, axes: [DVec3; 3]) -> Self {
-        Self { light, axes, min: [-0.5, -1.0], max: [0.5, 1.0], is_quarter: true }
+        Self { light, axes, min: [-0.5, -1.0], max: [0.5, 1.0], per_unit: [1.0, 0.5], is_quarter: true }
     }
 
     fn flat(&self, point: DVec3) -> Flat {
@@ -186,7 +203,7 @@ impl Chart {
     /// From 0 to 1 across the grid and up it.
     fn on_grid(&self, p: Flat) -> [f64; 2] {
         let mapped = self.mapped(p);
-        std::array::from_fn(|i| (mapped[i] - self.min[i]) / (self.max[i] - self.min[i]))
+        std::array::from_fn(|i| (mapped[i] - self.min[i]) * self.per_unit[i])
     }
 
     /// The place on the plane that is so far across the grid, in units of the divisor.
@@ -196,6 +213,7 @@ impl Chart {
     }
 
     /// The part of the edge that is on the chart.
+    #[inline]
     fn clipped(&self, mut a: Flat, mut b: Flat) -> Option<[Flat; 2]> {
         if !self.is_quarter {
             return Some([a, b]);
@@ -217,23 +235,37 @@ impl Chart {
         Some([a, b])
     }
 
-    /// A bound of the winding number anywhere on the chart.
-    fn most(&self, caster: &Caster, volume: &ShadowVolume, poles: Poles) -> i64 {
+    /// A bound of the winding number anywhere on the chart; one no better than `enough` is as good as any.
+    fn most(&self, caster: &Caster, volume: &ShadowVolume, poles: Poles, enough: i64) -> i64 {
         let sweep = self.sweep(caster, volume);
-        let mut most = sweep.most(poles, 1)[0];
-        let first = 2 * (volume.sides.len() as f64).sqrt() as usize;
-        for size in [first.clamp(CELLS[0], CELLS[1] / 2), CELLS[1]] {
-            if most <= if size < CELLS[1] { LOW } else { FAIR } {
+        let swept = sweep.most(poles, 1)[0];
+        if swept <= LOW.max(enough) {
+            return swept;
+        }
+        let [coarsest, finest] = CELLS;
+        // For each column of the finest grid; each grid has only those columns in which the bound is still too high.
+        let mut bounds = sweep.most(poles, finest);
+        let edges = volume.sides.len() / if self.is_quarter { 4 } else { 1 };
+        let first = (1.5 * (edges as f64).sqrt()) as usize;
+        for (size, good) in [(first.next_power_of_two().clamp(coarsest, finest), LOW), (finest, FAIR)] {
+            let per_column = finest / size;
+            let is_wanted = |bounds: &[i64]| bounds.iter().any(|&bound| bound > good.max(enough));
+            let wanted: Vec<bool> = bounds.chunks_exact(per_column).map(is_wanted).collect();
+            if !wanted.contains(&true) {
                 break;
             }
-            let mut columns = Columns::new(size);
+            let mut columns = Columns::new(&wanted);
             for [a, b] in self.edges(caster, volume) {
                 self.add_edge(&mut columns, a, b);
             }
-            let of_columns = columns.most(poles).zip(sweep.most(poles, size));
-            most = most.min(of_columns.map(|(cells, swept)| swept.min(cells)).max().unwrap_or(0));
+            for (bounds, cells) in bounds.chunks_exact_mut(per_column).zip(columns.most(poles)) {
+                bounds.iter_mut().for_each(|bound| *bound = cells.map_or(*bound, |cells| cells.min(*bound)));
+            }
+            if size == finest {
+                break;
+            }
         }
-        most
+        bounds.into_iter().max().unwrap_or(0)
     }
 
     /// The edges that are on the chart, as far as they are.
@@ -248,13 +280,7 @@ impl Chart {
     fn sweep(&self, caster: &Caster, volume: &ShadowVolume) -> Sweep {
         // What begins and ends in a corner; most edges go on through it.
         let mut balance = vec![[0_i32; 2]; caster.positions.len()];
-        let mut steps = Vec::new();
-        let mut step = |at: f64, by: [i32; 2]| {
-            for i in (0..2).filter(|&i| by[i] != 0) {
-                let widened = at - f64::from(by[i].signum()) * TOGETHER;
-                steps.push((widened, if i == 0 { [by[0], 0] } else { [0, by[1]] }));
-            }
-        };
+        let mut sweep = Sweep::default();
         for side in &volume.sides {
             let ends = side.map(|i| self.flat(caster.positions[i as usize].as_dvec3()));
             let Some(clipped) = self.clipped(ends[0], ends[1]) else { continue };
@@ -268,22 +294,23 @@ impl Chart {
                     let sum = &mut balance[side[i] as usize];
                     *sum = [sum[0] + by[0], sum[1] + by[1]];
                 } else {
-                    step([from, to][i], by);
+                    sweep.step([from, to][i], by);
                 }
             }
         }
         for &corner in volume.sides.iter().flatten() {
             let by = std::mem::take(&mut balance[corner as usize]);
             if by != [0, 0] {
-                step(self.on_grid(self.flat(caster.positions[corner as usize].as_dvec3()))[0], by);
+                sweep.step(self.on_grid(self.flat(caster.positions[corner as usize].as_dvec3()))[0], by);
             }
         }
-        steps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        Sweep(steps)
+        sweep.sort();
+        sweep
     }
 
     fn add_edge(&self, columns: &mut Columns, a: Flat, b: Flat) {
         let size = columns.size as f64;
+        let part_of_column = 1.0 / size;
         let ([column_a, row_a], [column_b, row_b]) =
             (self.on_grid(a).map(|at| at * size), self.on_grid(b).map(|at| at * size));
         let (left, right) = (column_a.min(column_b), column_a.max(column_b));
@@ -292,7 +319,7 @@ impl Chart {
         let is_upright = right - left < UPRIGHT;
         // The row at which the edge crosses a line across the columns.
         let row_at = |column: f64| {
-            let x = self.right_at(column / size);
+            let x = self.right_at(column * part_of_column);
             let (at_a, at_b) = (a.x - x * a.z, b.x - x * b.z);
             let part = at_a / (at_a - at_b);
             let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.5 };
@@ -300,84 +327,34 @@ impl Chart {
             row.clamp(row_a.min(row_b), row_a.max(row_b))
         };
         let cell = |at: f64| at.clamp(0.0, size - 1.0) as usize;
-        for column in cell(left - WIDENED)..=cell(right + WIDENED) {
+        let (leftmost, rightmost) = if is_rise { (row_a, row_b) } else { (row_b, row_a) };
+        // Above a row are the cells whose middles are.
+        let above = |row: f64| (row + 0.5).clamp(0.0, size) as usize;
+        let [lowest_above, highest_above] = [above(row_a.min(row_b)), above(row_a.max(row_b))];
+        let [first_column, last_column] = [cell(left - WIDENED), cell(right + WIDENED)];
+        if !columns.is_any_wanted(first_column, last_column) {
+            return;
+        }
+        let enters = |from: f64| if is_upright || left >= from { leftmost } else { row_at(from) };
+        let mut entered = None;
+        for column in first_column..=last_column {
+            if !columns.is_any_wanted(column, column) {
+                entered = None;
+                continue;
+            }
             let (from, to) = (column as f64, column as f64 + 1.0);
-            let row_from = if is_upright || left >= from { None } else { Some(row_at(from)) };
-            let row_to = if is_upright || right <= to { None } else { Some(row_at(to)) };
-            let (leftmost, rightmost) = if is_rise { (row_a, row_b) } else { (row_b, row_a) };
-            let (first, last) = (row_from.unwrap_or(leftmost), row_to.unwrap_or(rightmost));
-            columns.touch(column, cell(first.min(last) - WIDENED), cell(first.max(last) + WIDENED));
+            // Where the edge enters the column, and where it leaves it.
+            let entered_at = entered.unwrap_or_else(|| enters(from));
+            let left_at = if is_upright || right <= to { rightmost } else { row_at(to) };
+            columns.touch(column, cell(entered_at.min(left_at) - WIDENED), cell(entered_at.max(left_at) + WIDENED));
             let middle = from + 0.5;
             if (column_a < middle) != (column_b < middle) {
-                // Above are the cells whose middles are.
-                let above = (row_at(middle) + 0.5).floor().clamp(0.0, size) as usize;
-                columns.step(column, above, if is_rise { 1 } else { -1 });
+                let first_above = if lowest_above == highest_above { lowest_above } else { above(row_at(middle)) };
+                columns.step(column, first_above, if is_rise { 1 } else { -1 });
             }
+            // An upright one may be anywhere between its ends as it passes from one column to the next.
+            entered = (left < to && !is_upright).then_some(left_at);
         }
-    }
-}
-
-/// A line across the plane, swept over it from the left: where it meets more or fewer edges that have the inner side above (rises), or below (falls).
-#[derive(Debug)]
-struct Sweep(Vec<(f64, [i32; 2])>);
-
-impl Sweep {
-    /// A bound for each of `size` columns.
-    fn most(&self, poles: Poles, size: usize) -> Vec<i64> {
-        let mut of_columns = vec![0; size];
-        let (mut rises, mut falls, mut column) = (0, 0, 0);
-        let bound = |rises: i64, falls: i64| (poles.below + rises).min(poles.above + falls) + poles.unsure;
-        of_columns[0] = bound(0, 0);
-        for &(at, [more_rises, more_falls]) in &self.0 {
-            let reached = (at * size as f64).clamp(0.0, size as f64 - 1.0) as usize;
-            if column < reached {
-                of_columns[column + 1..=reached].fill(bound(rises, falls));
-            }
-            column = reached;
-            rises += i64::from(more_rises);
-            falls += i64::from(more_falls);
-            of_columns[column] = of_columns[column].max(bound(rises, falls));
-        }
-        of_columns
-    }
-}
-
-/// What is known of the cells, column by column, each from below; as differences from one cell to the next.
-#[derive(Debug)]
-struct Columns {
-    size: usize,
-    windings: Vec<i32>,
-    touching: Vec<i32>,
-}
-
-impl Columns {
-    fn new(size: usize) -> Self {
-        let differences = vec![0; size * (size + 1)];
-        Self { size, windings: differences.clone(), touching: differences }
-    }
-
-    fn step(&mut self, column: usize, from_row: usize, by: i32) {
-        self.windings[column * (self.size + 1) + from_row] += by;
-    }
-
-    fn touch(&mut self, column: usize, from_row: usize, to_row: usize) {
-        let first = column * (self.size + 1);
-        self.touching[first + from_row] += 1;
-        self.touching[first + to_row + 1] -= 1;
-    }
-
-    /// A bound for each column.
-    fn most(&self, poles: Poles) -> impl Iterator<Item = i64> + '_ {
-        let rows = self.size + 1;
-        (0..self.size).map(move |column| {
-            let (mut winding, mut touching, mut most) = (poles.below, 0, 0);
-            for row in 0..self.size {
-                winding += i64::from(self.windings[column * rows + row]);
-                touching += i64::from(self.touching[column * rows + row]);
-                most = most.max(winding + touching);
-            }
-            most + poles.unsure
-        })
     }
 }
 

@@ -24,9 +24,11 @@ pub struct ShadowVolume {
     /// Silhouette edges as the lit side walks them; one of multiplicity m is here m times.
     pub sides: Vec<[u32; 2]>,
     /// Triangles that face the light; the dark cap is the same triangles at infinity, wound the other way.
+    ///
+    /// Without any in a volume [of sides alone](ShadowVolume::of_sides).
     pub light_cap: Vec<[u32; 3]>,
-    /// Different silhouette edges, multiplicities aside.
-    pub silhouette_edges: usize,
+    /// Triangles of the chain, multiplicities counted, at most; as many as the light cap has where there is one.
+    pub most_triangles: usize,
 }
 
 impl ShadowVolume {
@@ -34,7 +36,21 @@ impl ShadowVolume {
     pub fn new(caster: &Caster, chain: &Chain) -> Self {
         let edges = silhouette(&caster.topology, chain);
         let repeat = |e: &SilhouetteEdge| std::iter::repeat_n([e.start, e.end], e.multiplicity as usize);
-        let light_cap = caster
+        Self::of_boundary(caster, chain, &edges.iter().flat_map(repeat).collect::<Vec<_>>())
+    }
+
+    /// The volume of `caster` with `sides` and without its caps, which are not drawn where z-pass counts.
+    ///
+    /// Linear in the number of sides.
+    pub fn of_sides(caster: &Caster, sides: &[[u32; 2]]) -> Self {
+        Self { sides: sides.to_vec(), light_cap: Vec::new(), most_triangles: caster.mesh.triangles().len() }
+    }
+
+    /// The volume over `chain`, a chain of `caster` whose boundary is `sides`.
+    ///
+    /// Linear in the number of triangles.
+    pub fn of_boundary(caster: &Caster, chain: &Chain, sides: &[[u32; 2]]) -> Self {
+        let light_cap: Vec<[u32; 3]> = caster
             .mesh
             .triangles()
             .iter()
@@ -44,7 +60,7 @@ impl ShadowVolume {
                 std::iter::repeat_n(turned, times.unsigned_abs().into())
             })
             .collect();
-        Self { sides: edges.iter().flat_map(repeat).collect(), light_cap, silhouette_edges: edges.len() }
+        Self { sides: sides.to_vec(), most_triangles: light_cap.len(), light_cap }
     }
 
     /// The faces that are not at infinity, as homogeneous triangles: light cap, then sides.

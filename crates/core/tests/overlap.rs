@@ -91,6 +91,32 @@ fn a_thousand_separate_cubes_overlap_a_few_times_only() {
     assert!(high <= 12 && overhead <= 12, "{high}, {overhead}");
 }
 
+#[test]
+fn of_roofs_on_a_lattice_the_bound_is_at_least_what_one_can_count_and_hardly_more() {
+    const SIZE: u32 = 24;
+    let sun = LightPosition::directional(DVec3::Z).expect("a direction");
+    let mut rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    for roofs in [20, 100, 400] {
+        let mut counts = [[0_u32; SIZE as usize]; SIZE as usize];
+        let roof = |height: u32| {
+            let mut span = || {
+                let [a, b] = [rng.random_range(0..SIZE), rng.random_range(0..SIZE)];
+                [a.min(b), a.max(b) + 1]
+            };
+            let [[west, east], [south, north]] = [span(), span()];
+            let squares = counts[west as usize..east as usize].iter_mut();
+            squares.flat_map(|column| &mut column[south as usize..north as usize]).for_each(|count| *count += 1);
+            let corner = Vec3::new(west as f32, south as f32, height as f32);
+            shapes::sheet(corner, Vec3::X * (east - west) as f32, Vec3::Y * (north - south) as f32, [1, 1])
+        };
+        let caster = caster(shapes::joined((0..roofs).map(roof)));
+        let most = counts.iter().flatten().copied().max().expect("there are squares");
+        let bound = bound(&caster, sun);
+        println!("{roofs} roofs: {bound} for {most}");
+        assert!((most..=most + most / 3 + 8).contains(&bound), "{bound} for {most} of {roofs}");
+    }
+}
+
 /// Steps going down along +x, each a box of its own, lit from above the top: along a ray close over the steps, each is shaded by all before.
 fn stairs(steps: u32) -> Surface {
     shapes::joined((0..steps).map(|i| {

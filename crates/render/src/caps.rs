@@ -3,7 +3,7 @@
 /// How much of WebGPU the device has. The lower tier is the baseline; the higher only goes faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tier {
-    /// Compute, storage buffers, indirect draws.
+    /// Compute with eight storage buffers, as every WebGPU device has; storage buffers in vertex shaders too; indirect draws.
     Full,
     /// WebGL2: none of these.
     Basic,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
-use umbrae_core::{Caster, Material, Role, Texture};
+use umbrae_core::{Caster, Finder, Material, Role, Texture};
 use wgpu::util::DeviceExt as _;
 
 use crate::gpu_finishes::{Finish, FinishKind, Finishes};
@@ -105,6 +105,19 @@ impl GpuScene {
             order,
             finder: KeptFinder::default(),
         }))
+    }
+
+    /// Has the silhouettes of caster `i` found by `finders[i]`, made for it as it is (read from a cache, say), where there is one.
+    ///
+    /// # Panics
+    ///
+    /// If there are more finders than casters.
+    pub fn give_finders(&mut self, finders: Vec<Option<Finder>>) {
+        for (i, finder) in finders.into_iter().enumerate() {
+            if let Some(finder) = finder {
+                self.shadow_casters.give_finder(i, finder);
+            }
+        }
     }
 
     /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.

@@ -38,7 +38,7 @@ impl<'a> PreparedLights<'a> {
     ) -> Result<Self, GpuError> {
         let (casters, uploaded, options) = (shot.casters, &shot.scene.shadow_casters, &shot.shadows);
         let source = options.silhouettes;
-        if source == SilhouetteSource::Cpu {
+        if matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
             let own = lights.iter().map(|light| shadows.light(gpu, casters, uploaded, view, light, options));
             return Ok(Self::Own(own.collect::<Result<_, _>>()?));
         }

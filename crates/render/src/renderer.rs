@@ -255,7 +255,11 @@ impl Renderer {
         light: &Light,
         kind: TallyKind,
     ) -> Result<(Vec<f32>, LightReport, u32), GpuError> {
-        let shadows = ShadowOptions { silhouettes: SilhouetteSource::Cpu, ..shot.shadows };
+        let silhouettes = match shot.shadows.silhouettes {
+            SilhouetteSource::Gpu | SilhouetteSource::GpuBasic => SilhouetteSource::Auto,
+            on_cpu => on_cpu,
+        };
+        let shadows = ShadowOptions { silhouettes, ..shot.shadows };
         let shot = &Shot { shadows, ..*shot };
         let size_px = shot.camera.size_px();
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;

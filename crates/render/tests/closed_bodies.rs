@@ -2,13 +2,12 @@
 //!
 //! Where the light or the near rectangle is in a body's box, counting what faces the light would be wrong.
 
-#[expect(dead_code, reason = "this test needs no soups")]
-mod soup;
+mod random;
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
-use soup::Random;
+use random::Random;
 use umbrae_core::{
     Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, Verdict, shapes,
 };
@@ -61,7 +60,7 @@ fn lamps_and_eyes_in_closed_bodies_see_what_rays_see() {
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
         .expect("tests need a graphics driver: run scripts/setup.sh");
     let renderer = Renderer::new(gpu, 1);
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let (mut decided, mut surface, mut lit) = (0, 0, 0);
     for number in 0..SCENES {
         let scene = scene(&mut random);
@@ -73,7 +72,7 @@ fn lamps_and_eyes_in_closed_bodies_see_what_rays_see() {
         let lights = lights(&casters, &mut random);
         let judged = Oracle::new(&casters).judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for silhouettes in [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic] {
+            for silhouettes in [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic] {
                 for method in [Method::Auto, Method::ZFail] {
                     let shadows = ShadowOptions { silhouettes, ..method.into() };
                     let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };

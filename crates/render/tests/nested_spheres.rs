@@ -136,7 +136,7 @@ fn the_device_counts_the_balls_over_each_pixel_with_the_eye_in_none_one_or_two_o
                     let shot = Shot { shadows: ShadowOptions { silhouettes, ..shot.shadows }, ..shot };
                     pollster::block_on(renderer.mask(&shot, &lamp)).unwrap().verdicts
                 };
-                let masks = [SilhouetteSource::Cpu, SilhouetteSource::Gpu].map(mask_by);
+                let masks = [SilhouetteSource::Auto, SilhouetteSource::Gpu].map(mask_by);
                 // From the eye, only what is between it and the pixel is counted.
                 let missed = if method == Method::ZPass { volumes as i32 } else { 0 };
                 let what =

@@ -130,16 +130,7 @@ fn hundreds_of_sheets_between_a_lamp_and_a_floor_leave_no_light() {
         for (i, camera) in cameras().iter().enumerate() {
             let judged = oracle.judge(camera, &[lamp()], || ()).remove(0);
             for shadows in options() {
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera,
-                    lights: &[],
-                    shadows,
-                    look: &Look::NONE,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, &lamp())).unwrap().verdicts;
                 let what =
                     format!("{count} sheets, {stack:?}, camera {i}, {:?} {:?}", shadows.method, shadows.silhouettes);
@@ -175,21 +166,12 @@ fn check_pictures(renderer: &Renderer) {
         let casters = Caster::of_scene(&scene);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         let look = Look::for_model(&scene.bounds(), &[lamp()]);
-        let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+        let sources = [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
         let by_source = |camera| sources.map(|source| (camera, source));
         for (camera, silhouettes) in cameras()[..2].iter().flat_map(by_source) {
             let picture = |lights: &[Light]| {
                 let shadows = ShadowOptions { silhouettes, ..ShadowOptions::default() };
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera,
-                    lights,
-                    shadows,
-                    look: &look,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { look: &look, shadows, ..Shot::new(&gpu_scene, &casters, camera, lights) };
                 pollster::block_on(renderer.picture(&shot)).unwrap().rgba
             };
             let (with_lamp, without) = (picture(&[lamp()]), picture(&[]));

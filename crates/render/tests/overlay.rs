@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{
-    AdapterChoice, Gpu, GpuScene, Look, Overlay, OverlayColor, OverlayVertex, Renderer, ShadowOptions, Shot,
-};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Overlay, OverlayColor, OverlayVertex, Renderer, Shot};
 
 const SIZE_PX: [u32; 2] = [96, 64];
 const PINK: [u8; 3] = [220, 60, 160];
@@ -42,16 +40,8 @@ impl Stage {
 
     /// The picture's pixels with `overlay`.
     fn draw(&self, overlay: Option<&Overlay>) -> Vec<[u8; 3]> {
-        let shot = Shot {
-            scene: &self.gpu_scene,
-            casters: &self.casters,
-            spheres: &[],
-            camera: &self.camera,
-            lights: &self.lights,
-            shadows: ShadowOptions::default(),
-            look: &self.look,
-            overlay,
-        };
+        let Self { gpu_scene, casters, camera, lights, look, .. } = self;
+        let shot = Shot { look, overlay, ..Shot::new(gpu_scene, casters, camera, lights) };
         let picture = pollster::block_on(self.renderer.picture(&shot)).expect("a small picture");
         picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect()
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Scene, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Output, Renderer, ShadowOptions, Shot, Targets};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Output, Renderer, Shot, Targets};
 
 const SIZE_PX: [u32; 2] = [64, 48];
 
@@ -34,16 +34,7 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
 
     let headless = Renderer::new(gpu(), 4);
     let uploaded = GpuScene::new(headless.gpu(), &casters, &scene.materials, &scene.textures).expect("a small scene");
-    let shot = Shot {
-        scene: &uploaded,
-        casters: &casters,
-        camera: &camera,
-        lights: &lights,
-        shadows: ShadowOptions::default(),
-        look: &look,
-        overlay: None,
-        spheres: &[],
-    };
+    let shot = Shot { look: &look, ..Shot::new(&uploaded, &casters, &camera, &lights) };
     let picture = pollster::block_on(headless.picture(&shot)).expect("a small picture");
 
     let format = wgpu::TextureFormat::Bgra8UnormSrgb;
@@ -65,30 +56,9 @@ fn a_view_of_the_caller_gets_the_picture_that_a_headless_one_gets() {
     let to = own.create_view(&wgpu::TextureViewDescriptor::default());
     windowed.draw(&shot, &targets, &to).expect("a small scene");
 
-    let bgra = read(gpu, &own);
+    let bgra = pollster::block_on(gpu.read(&own)).expect("a small texture can be read");
     assert_eq!(bgra.len(), picture.rgba.len());
     let is_same = |(a, b): (&[u8], &[u8])| [a[2], a[1], a[0], a[3]] == *b;
     assert!(bgra.chunks_exact(4).zip(picture.rgba.chunks_exact(4)).all(is_same));
     assert!(picture.rgba.chunks_exact(4).any(|p| p != &picture.rgba[..4]), "there is something in the picture");
-}
-
-/// Rows of 64 pixels need no padding.
-fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u8> {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read"),
-        size: u64::from(SIZE_PX[0] * SIZE_PX[1] * 4),
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIZE_PX[0] * 4), rows_per_image: None };
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-        texture.size(),
-    );
-    gpu.queue.submit([encoder.finish()]);
-    buffer.map_async(wgpu::MapMode::Read, .., |result| result.expect("a small buffer can be mapped"));
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
-    buffer.get_mapped_range(..).expect("the buffer is mapped").to_vec()
 }

@@ -1,22 +1,23 @@
 //! Random soups on the GPU against rays: shared vertices, random windings, fans, the eye among the triangles.
 
+mod random;
 mod soup;
 
 use glam::Vec3;
-use soup::{Random, soup};
-use umbrae_core::{Bounds, Camera, Caster, Light, LightPosition, Oracle};
-use umbrae_render::{
-    AdapterChoice, Gpu, GpuScene, Look, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare,
-};
+use random::Random;
+use soup::soup;
+use umbrae_core::{Camera, Caster, Light, LightPosition, Oracle};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Method, Renderer, ShadowOptions, Shot, SilhouetteSource, compare};
+
+const SOURCES: [SilhouetteSource; 3] = [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
 
 /// The default, z-fail and counting from the eye, and the default with one rule off at a time; with silhouettes from the CPU and, in both ways, from the GPU.
 fn all_options() -> impl Iterator<Item = (&'static str, ShadowOptions)> {
     let methods = [("auto", Method::Auto), ("z-fail", Method::ZFail), ("eye count", Method::EyeCount)];
     let methods = methods.map(|(name, method)| (name, ShadowOptions::from(method)));
     let of_cpu = methods.into_iter().chain(ShadowOptions::default().each_rule_off());
-    let sources = [SilhouetteSource::Cpu, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
     let found = |source| move |(name, options)| (name, ShadowOptions { silhouettes: source, ..options });
-    sources.into_iter().flat_map(move |source| of_cpu.clone().map(found(source)))
+    SOURCES.into_iter().flat_map(move |source| of_cpu.clone().map(found(source)))
 }
 
 #[test]
@@ -24,8 +25,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
         .expect("tests need a graphics driver: run scripts/setup.sh");
     let renderer = Renderer::new(gpu, 1);
-    let look = Look::for_model(&Bounds::EMPTY, &[]);
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (mut surface, mut decided, mut with_zpass) = (0, 0, 0);
     for number in 0..40 {
         let scene = soup(&mut random);
@@ -46,18 +46,10 @@ fn every_decided_pixel_of_a_soup_is_right_with_the_eye_among_the_triangles() {
         for (light, judgements) in lights.iter().zip(&judged) {
             let mut firsts: [Option<Vec<u8>>; 3] = [None, None, None];
             for (rule, shadows) in all_options() {
-                let shot = Shot {
-                    scene: &gpu_scene,
-                    casters: &casters,
-                    camera: &camera,
-                    lights: &[],
-                    shadows,
-                    look: &look,
-                    overlay: None,
-                    spheres: &[],
-                };
+                let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };
                 let mask = pollster::block_on(renderer.mask(&shot, light)).unwrap();
-                let first = &mut firsts[shadows.silhouettes as usize];
+                let which = SOURCES.iter().position(|source| *source == shadows.silhouettes);
+                let first = &mut firsts[which.expect("it is one of them")];
                 let first = first.get_or_insert_with(|| mask.verdicts.clone());
                 assert!(
                     *first == mask.verdicts,

@@ -127,7 +127,7 @@ impl ShadowArgs {
         ShadowOptions {
             method: self.method.into(),
             silhouettes: match self.silhouettes {
-                Silhouettes::Cpu => SilhouetteSource::Cpu,
+                Silhouettes::Cpu => SilhouetteSource::Auto,
                 Silhouettes::Gpu => SilhouetteSource::Gpu,
                 Silhouettes::GpuBasic => SilhouetteSource::GpuBasic,
             },

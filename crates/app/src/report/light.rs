@@ -291,7 +291,7 @@ impl CasterJson {
             volumes_around_eye: if let Some(Why::EyeCounted(volumes)) = why { Some(volumes) } else { None },
             silhouette_edges: report.faces.map(|faces| faces.silhouette_edges),
             triangles: report.faces.map(TrianglesByPart::from),
-            chain_triangles: report.faces.map(|faces| faces.chain_triangles),
+            chain_triangles: report.faces.and_then(|faces| faces.chain_triangles),
             parts: report.parts,
             bytes_per_index: report.index_bytes,
             scissor: report.rect.map(Into::into),

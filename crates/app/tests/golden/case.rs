@@ -9,7 +9,7 @@ use serde::Deserialize;
 use umbrae::lights::{LampChoice, LampPlace, lights, reaching};
 use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{Caster, Light, LightPosition, Material, Mesh, Object, Scene, Surface, shapes};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, ShadowOptions, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Look, Renderer, Shot};
 
 /// A picture to draw, as `umbrae render` would.
 #[derive(Debug, Deserialize)]
@@ -156,17 +156,7 @@ impl Case {
         let gpu = pollster::block_on(Gpu::new(&AdapterChoice { name: None, is_software: true }))?;
         let renderer = Renderer::new(gpu, self.samples);
         let gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
-        let shadows = ShadowOptions::default();
-        let shot = Shot {
-            scene: &gpu_scene,
-            casters: &casters,
-            camera: &camera,
-            lights: &lights,
-            shadows,
-            look: &look,
-            overlay: None,
-            spheres: &[],
-        };
+        let shot = Shot { look: &look, ..Shot::new(&gpu_scene, &casters, &camera, &lights) };
         let drawn = renderer.picture(&shot);
         let rgb =
             pollster::block_on(drawn)?.rgba.chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{EDGE_ON, Eye, INTERPOLATION, Oracle, Sight, Verdict, reaches};
+use super::{Eye, INTERPOLATION, Oracle, Sight, Verdict, faces, reaches};
 use crate::{Hit, Light, Sphere};
 
 /// A visible point of a sphere, from outside or inside.
@@ -65,12 +65,7 @@ impl Oracle {
         if is_reached == Some(false) {
             return Some(Verdict::Dark);
         }
-        let distance = to_light.length();
-        let cosine = seen.normal.dot(to_light) / distance;
-        if cosine.is_nan() || cosine.abs() <= EDGE_ON {
-            return None;
-        }
-        if cosine < 0.0 {
+        if !faces(seen.normal, to_light)? {
             return Some(Verdict::Dark);
         }
         // Its outside is convex: what faces the light there is not shaded by itself. Its inside is, if the light is outside.
@@ -79,10 +74,8 @@ impl Oracle {
             let is_own_outside = number == seen.sphere && seen.is_outside;
             !is_own_outside && sphere.shades(lifted, light.position)
         };
-        if (0..).zip(&self.spheres).any(shades) {
-            return Some(Verdict::Dark);
-        }
-        let is_shaded = self.is_shaded_by_triangles(seen.point, to_light, distance, light.position, in_the_way)?;
+        let is_shaded = (0..).zip(&self.spheres).any(shades)
+            || self.is_shaded_by_triangles(seen.point, light.position, in_the_way)?;
         if is_shaded { Some(Verdict::Dark) } else { is_reached.map(|_| Verdict::Lit) }
     }
 }

@@ -435,6 +435,4 @@ fn name_of(node: &Node, own: Option<&str>, what: &str, index: usize) -> String {
 }
 
 #[cfg(test)]
-mod animation_tests;
-#[cfg(test)]
 mod tests;

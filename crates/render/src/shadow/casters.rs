@@ -1,10 +1,10 @@
 //! The vertices of shadow volumes on the GPU.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
-use umbrae_core::Caster;
+use umbrae_core::{Caster, Finder, Silhouettes};
 use wgpu::util::DeviceExt as _;
 
 use super::found::basic::Displaced;
@@ -64,6 +64,8 @@ pub struct ShadowCasters {
     pub(crate) blocks: Vec<Block>,
     /// Whether a caster may be elsewhere than where it was.
     pub(crate) has_moved: Vec<AtomicBool>,
+    /// What finds each caster's silhouettes on the CPU.
+    pub(crate) silhouettes: Vec<Mutex<Silhouettes>>,
     moves: AtomicU64,
     /// Positions that only the GPU knows; see [`crate::TextureDisplacer`].
     displaced: OnceLock<Displaced>,
@@ -92,7 +94,8 @@ impl ShadowCasters {
             usage: gpu.caps.moving_vertices(),
         });
         let has_moved = casters.iter().map(|_| AtomicBool::new(false)).collect();
-        Ok(Self { vertices, blocks, has_moved, moves: AtomicU64::new(0), displaced: OnceLock::new() })
+        let silhouettes = casters.iter().map(|_| Mutex::default()).collect();
+        Ok(Self { vertices, blocks, has_moved, silhouettes, moves: AtomicU64::new(0), displaced: OnceLock::new() })
     }
 
     /// Positions that only the GPU knows, if there are any.
@@ -114,14 +117,24 @@ impl ShadowCasters {
     /// Uploads the positions of `casters` again, which must have the meshes of those that this was made of.
     pub fn update(&self, gpu: &Gpu, casters: &[Caster]) {
         self.moves.fetch_add(1, Ordering::Relaxed);
-        self.has_moved.iter().for_each(|has_moved| has_moved.store(true, Ordering::Relaxed));
+        (0..self.blocks.len()).for_each(|i| self.note_move(i));
         gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&volume_vertices(casters)));
+    }
+
+    /// Has the silhouettes of caster `i` found by `finder`, which was made for it as it is, until it moves or another kind is asked for.
+    pub fn give_finder(&mut self, i: usize, finder: Finder) {
+        self.silhouettes[i] = Mutex::new(Silhouettes::with_finder(finder));
+    }
+
+    fn note_move(&self, i: usize) {
+        self.has_moved[i].store(true, Ordering::Relaxed);
+        self.silhouettes[i].lock().unwrap_or_else(PoisonError::into_inner).forget();
     }
 
     /// Uploads the middle of the box of `caster`, number `i`, which something else has moved.
     pub(crate) fn update_middle(&self, gpu: &Gpu, i: usize, caster: &Caster) {
         self.moves.fetch_add(1, Ordering::Relaxed);
-        self.has_moved[i].store(true, Ordering::Relaxed);
+        self.note_move(i);
         let vertex = self.blocks[i].first_vertex + Block::MIDDLE;
         let offset = u64::from(vertex) * size_of::<VolumeVertex>() as u64;
         gpu.queue.write_buffer(&self.vertices, offset, bytemuck::bytes_of(&middle(caster)));

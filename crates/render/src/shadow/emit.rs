@@ -59,7 +59,7 @@ pub(super) fn emit(
     indices: &mut Indices,
     caster: &Caster,
     block: Block,
-    chain: &Chain,
+    chain: Option<&Chain>,
     volume: &ShadowVolume,
     (case, shows_dark_cap): (Case, bool),
     light: LightPosition,
@@ -85,6 +85,7 @@ pub(super) fn emit(
     if caster.role.is_see_through() {
         // Not every pixel of these surfaces is in the depth buffer, so their caps are in front of what is seen or behind it like any other
         // face; and where they are what is seen, only the triangle as it was drawn has the same depth.
+        let chain = chain.expect("caps of what can be seen through are drawn in every case");
         let (faced, turned) = caps_as_drawn(block, caster, chain);
         report.faces_mut().light_cap_triangles += faced.len() + turned.len();
         add(if is_pass { Part::Pass } else { Part::Fail }, &faced);

@@ -13,6 +13,7 @@
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
 
+mod caster_plan;
 mod casters;
 mod emit;
 pub(crate) mod found;

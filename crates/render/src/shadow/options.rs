@@ -1,5 +1,7 @@
 //! How shadows are determined, and what may be left out of it. Every choice but [`Method::ZPass`] gives the same verdicts.
 
+use umbrae_core::FinderKind;
+
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
@@ -34,12 +36,14 @@ pub enum LightMark {
 
 /// Where silhouettes are found: which triangles face a light, which edges are between, and how each caster is counted.
 ///
-/// All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
+/// On the CPU, light by light, and indices are uploaded in each frame. All give the same verdicts, but for triangles that `f32` can't tell from edge-on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SilhouetteSource {
-    /// On the CPU, in `f64`, light by light; indices are uploaded in each frame.
+    /// On the CPU, as is best for each caster: see [`umbrae_core::Silhouettes`].
     #[default]
-    Cpu,
+    Auto,
+    /// On the CPU, as one says.
+    Cpu(FinderKind),
     /// By compute shaders, all lights of a frame at once; nothing of a triangle is on the CPU, and nothing is read back.
     /// [`Method::EyeCount`] counts as [`Method::Auto`] does. Needs [`crate::Tier::Full`].
     Gpu,
@@ -77,7 +81,7 @@ impl Default for ShadowOptions {
     fn default() -> Self {
         Self {
             method: Method::Auto,
-            silhouettes: SilhouetteSource::Cpu,
+            silhouettes: SilhouetteSource::Auto,
             cull_lights: true,
             cull_unreached: true,
             cull_unseen: true,
@@ -100,7 +104,7 @@ impl ShadowOptions {
     pub fn without_culling(method: Method) -> Self {
         Self {
             method,
-            silhouettes: SilhouetteSource::Cpu,
+            silhouettes: SilhouetteSource::Auto,
             cull_lights: false,
             cull_unreached: false,
             cull_unseen: false,

@@ -12,16 +12,15 @@
 
 use std::sync::OnceLock;
 
-use umbrae_core::{
-    Bounds, Camera, Case, CaseChooser, Caster, Chain, Counting, Culler, Light, LightPosition, PixelRect, Reach,
-    ShadowVolume, Sphere, Windings, most_overlaps, split_chain,
-};
+use rayon::prelude::*;
+use umbrae_core::{Bounds, Camera, CaseChooser, Caster, Culler, Light, PixelRect, Reach, Sphere, Windings};
 
-use super::casters::{Block, ShadowCasters, VolumeVertex};
-use super::emit::{Indices, Part, emit};
+use super::caster_plan::CasterPlanner;
+use super::casters::{ShadowCasters, VolumeVertex};
+use super::emit::{Indices, Part};
 use super::found::FoundDraw;
-use super::options::{LightMark, Method, ShadowOptions};
-use super::report::{CasterReport, Fate, Why};
+use super::options::{LightMark, ShadowOptions};
+use super::report::{CasterReport, Fate};
 use super::spheres::{is_shut_in, rounded_to_f32};
 
 /// Seven bits count; the eighth is the mark.
@@ -128,7 +127,7 @@ pub(crate) struct Draw {
 impl Plan {
     /// The plan for `light`, whose position is rounded as shaders see it.
     ///
-    /// Linear in the number of triangles of the casters that are not culled.
+    /// At most linear in the number of triangles of the casters that are not culled. On all threads of the rayon pool.
     pub(crate) fn new(
         casters: &[Caster],
         uploaded: &ShadowCasters,
@@ -139,13 +138,22 @@ impl Plan {
         let mut plan = Self::empty(options);
         let Some(scope) = plan.start(casters, seen, light, options) else { return plan };
         let (culler, chooser, rect) = (&scope.culler, &scope.chooser, scope.rect);
-        for ((caster, windings), &block) in casters.iter().zip(seen.windings(casters)).zip(&uploaded.blocks) {
-            let report = match casting_rect(caster, culler, options, rect) {
+        let windings = seen.windings(casters);
+        // What takes time is done for all casters at once; what is drawn then comes in their order.
+        let outlined: Vec<_> = (0..casters.len())
+            .into_par_iter()
+            .map(|i| {
+                let rect = casting_rect(&casters[i], culler, options, rect)?;
+                let (caster, windings, block) = (&casters[i], &windings[i], uploaded.blocks[i]);
+                let planner = CasterPlanner { caster, windings, block, culler, chooser, rect };
+                let outline = planner.outline(&uploaded.silhouettes[i], light, options);
+                Ok((planner, outline))
+            })
+            .collect();
+        for outlined in outlined {
+            let report = match outlined {
                 Err(fate) => CasterReport::of_fate(fate),
-                Ok(rect) => {
-                    let planner = CasterPlanner { caster, windings, block, culler, chooser, rect };
-                    planner.add_to(&mut plan, light.position, options)
-                }
+                Ok((planner, outline)) => planner.add_to(&mut plan, &outline, light.position, options),
             };
             plan.casters.push(report);
         }
@@ -272,108 +280,4 @@ pub(super) fn rect_by_culling(
 pub(super) fn volume_vertex(homogeneous: glam::DVec4) -> VolumeVertex {
     let kind = if homogeneous.w == 0.0 { 2.0 } else { 0.0 };
     homogeneous.truncate().as_vec3().extend(kind).to_array()
-}
-
-/// One caster that is to be drawn.
-struct CasterPlanner<'a> {
-    caster: &'a Caster,
-    windings: &'a Windings,
-    block: Block,
-    culler: &'a Culler,
-    chooser: &'a CaseChooser,
-    rect: PixelRect,
-}
-
-impl CasterPlanner<'_> {
-    fn add_to(&self, plan: &mut Plan, light: LightPosition, options: &ShadowOptions) -> CasterReport {
-        let caster = self.caster;
-        let chain = Chain::new(caster, light, &self.counting(light));
-        let volume = ShadowVolume::new(caster, &chain);
-        let mut report = CasterReport::of_fate(Fate::Unseen);
-        report.rect = Some(self.rect);
-        report.faces_mut().silhouette_edges = volume.silhouette_edges;
-        report.faces_mut().chain_triangles = volume.light_cap.len();
-        report.index_bytes = if self.block.is_short() { size_of::<u16>() } else { size_of::<u32>() };
-        let asked = self.case(options);
-        let overlaps = most_overlaps(caster, &volume, light);
-        if overlaps <= MOST_OVERLAPS {
-            self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
-        } else {
-            for chain in split_chain(caster, &chain, light, MOST_OVERLAPS) {
-                let volume = ShadowVolume::new(caster, &chain);
-                let overlaps = most_overlaps(caster, &volume, light);
-                self.add_part(plan, &mut report, (&chain, &volume, overlaps), asked, light, options);
-            }
-        }
-        report
-    }
-
-    /// How each component counts. What can be seen through is no wall between the eye and a point, so windings say nothing of it.
-    fn counting(&self, light: LightPosition) -> Vec<Counting> {
-        if self.caster.role.is_see_through() {
-            return vec![Counting::Every; self.caster.topology.components().len()];
-        }
-        Counting::choose(self.caster, self.windings, &Windings::of_light(self.caster, light))
-    }
-
-    /// The case, and why; that of [`Method::EyeCount`] may yet change for each part.
-    fn case(&self, options: &ShadowOptions) -> (Case, Why) {
-        match options.method {
-            Method::ZPass => (Case::Pass, Why::Method),
-            Method::ZFail => (self.zfail_case(options), Why::Method),
-            Method::Auto | Method::EyeCount => match self.chooser.case(self.caster) {
-                Case::Pass => (Case::Pass, Why::NearRectangleClear),
-                Case::Fail | Case::FailWithoutLightCap => (self.zfail_case(options), Why::NearRectangleMayBeShaded),
-            },
-        }
-    }
-
-    fn zfail_case(&self, options: &ShadowOptions) -> Case {
-        let needs_light_cap = !options.cull_caps || self.culler.light_cap_may_show(&self.caster.bounds);
-        if needs_light_cap { Case::Fail } else { Case::FailWithoutLightCap }
-    }
-
-    fn add_part(
-        &self,
-        plan: &mut Plan,
-        report: &mut CasterReport,
-        (chain, volume, overlaps): (&Chain, &ShadowVolume, u32),
-        (mut case, mut why): (Case, Why),
-        light: LightPosition,
-        options: &ShadowOptions,
-    ) {
-        let mut start = 0;
-        if options.method == Method::EyeCount && case != Case::Pass {
-            match self.chooser.eye_count(self.caster, chain, volume) {
-                None => why = Why::SideCrossesNearRectangle,
-                Some(count) => {
-                    start = count;
-                    (case, why) = (Case::Pass, Why::EyeCounted(count));
-                }
-            }
-        }
-        let shows_dark_cap = !options.cull_caps || self.culler.dark_cap_may_show(&self.caster.bounds);
-        let emitted =
-            emit(&mut plan.indices, self.caster, self.block, chain, volume, (case, shows_dark_cap), light, report);
-        let batch = plan.batch_for(overlaps);
-        batch.start += start;
-        for (part, is_short, elements) in emitted {
-            let source = if is_short { Source::Short } else { Source::Long };
-            let base_vertex = self.block.first_vertex as i32;
-            batch.draws.push(Draw { part, source, elements, base_vertex, rect: self.rect });
-        }
-        report.parts += 1;
-        report.fate = merge(report.fate, case, why);
-    }
-}
-
-/// The fate of a caster that had `before` and now a part in `case`: the dearest case of its parts, and all that was counted at the eye.
-fn merge(before: Fate, case: Case, why: Why) -> Fate {
-    let Fate::Drawn { case: case_before, why: why_before } = before else { return Fate::Drawn { case, why } };
-    let why = match (why_before, why) {
-        (Why::EyeCounted(a), Why::EyeCounted(b)) => Why::EyeCounted(a + b),
-        (Why::SideCrossesNearRectangle, _) => why_before,
-        _ => why,
-    };
-    Fate::Drawn { case: case.max(case_before), why }
 }

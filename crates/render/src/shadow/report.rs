@@ -40,7 +40,7 @@ impl CasterReport {
 /// How many faces a volume has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FaceCounts {
-    /// Different edges on the chain's boundary.
+    /// Edges on the chain's boundary, each as often as it is extruded.
     pub silhouette_edges: usize,
     /// Triangles drawn for the sides.
     pub side_triangles: usize,
@@ -48,8 +48,8 @@ pub struct FaceCounts {
     pub dark_cap_triangles: usize,
     /// Triangles drawn for the light cap.
     pub light_cap_triangles: usize,
-    /// Triangles of the chain, multiplicities counted: what a light cap and a dark cap have each when nothing is left out.
-    pub chain_triangles: usize,
+    /// Triangles of the chain, multiplicities counted: what a light cap and a dark cap have each. Not counted where only sides are drawn.
+    pub chain_triangles: Option<usize>,
 }
 
 /// Whether a caster was drawn.

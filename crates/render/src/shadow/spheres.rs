@@ -74,7 +74,7 @@ impl Plan {
         };
         let mut report = CasterReport::of_fate(Fate::Drawn { case, why });
         report.faces_mut().silhouette_edges = volume.ring().len();
-        report.faces_mut().chain_triangles = volume.light_cap().count();
+        report.faces_mut().chain_triangles = Some(volume.light_cap().count());
         report.parts = 1;
         report.rect = Some(rect);
 

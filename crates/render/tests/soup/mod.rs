@@ -2,34 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 use umbrae_core::{Material, Mesh, Object, Scene, Surface};
 
-/// A small seeded generator (SplitMix64): the same soups on every machine.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// From -1 to 1.
-    pub(crate) fn signed(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    pub(crate) fn point(&mut self, radius: f64) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed()) * radius
-    }
-}
+use super::random::Random;
 
 /// Two objects, each of 22 triangles: some at random on common vertices, a fan of ten on one edge, and a few twice.
 pub(crate) fn soup(random: &mut Random) -> Scene {

@@ -121,7 +121,7 @@ impl Shadows {
         source: SilhouetteSource,
     ) -> Result<FoundShadows, GpuError> {
         let finder = match source {
-            SilhouetteSource::Cpu => panic!("what is found on the CPU is Shadows::light"),
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => panic!("what is found on the CPU is Shadows::light"),
             SilhouetteSource::Gpu => Finder::Full(Box::new(FullFinder::new(gpu, casters, uploaded)?)),
             SilhouetteSource::GpuBasic => {
                 Finder::Basic(Box::new(BasicFinder::new(gpu, casters, uploaded, self.may_sum_basic())?))
@@ -146,7 +146,7 @@ impl Shadows {
             VolumeDrawing { stencil, sums: may_sum.then(sums) }
         };
         match source {
-            SilhouetteSource::Cpu => {}
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => {}
             SilhouetteSource::Gpu => {
                 let module = || shaders::found_volume(&gpu.device);
                 let of_lists = || compile(true, DrawnFrom { module: &module(), layout: &pipelines::draw_layout(gpu) });

@@ -16,10 +16,13 @@ use crate::displacement::NOT_MOVED;
 use crate::timing::PassTimer;
 use crate::uniforms::tests::wgsl_layout;
 use crate::{AdapterChoice, Gpu};
-use random::{Random, soup};
+use random::Random;
+use soup::soup;
 
-#[path = "../../../../tests/soup/mod.rs"]
+#[path = "../../../../tests/random/mod.rs"]
 mod random;
+#[path = "../../../../tests/soup/mod.rs"]
+mod soup;
 
 fn gpu() -> Gpu {
     pollster::block_on(Gpu::new(&AdapterChoice::default())).expect("tests need a graphics driver: run scripts/setup.sh")
@@ -121,7 +124,7 @@ fn camera(random: &mut Random) -> Camera {
 fn multiplicities_are_exactly_the_boundary_of_the_coefficients_for_64_lights_at_once() {
     let gpu = gpu();
     let pass = FindPass::new(&gpu);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut sides = 0;
     for (i, (name, casters)) in scenes(&mut random).into_iter().enumerate() {
         let may_sum = i % 2 == 1;
@@ -197,7 +200,7 @@ const EDGE_ON: f64 = 4e-7;
 fn coefficients_differ_from_the_cpus_only_where_a_triangle_is_edge_on_but_for_rounding() {
     let gpu = gpu();
     let pass = FindPass::new(&gpu);
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let (mut alike, mut differing) = (0, 0);
     for (name, casters) in scenes(&mut random) {
         let tables = Tables::new(&gpu, &casters, (None, vec![false; casters.len()]), false).expect("small tables");

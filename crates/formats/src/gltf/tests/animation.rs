@@ -1,9 +1,11 @@
+//! What moves, at a moment.
+
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 
-use super::tests::{Builder, SHORT, assert_near, one_triangle, skinned, warnings, world};
+use super::{Builder, SHORT, assert_near, one_triangle, skinned, warnings, world};
 use crate::{AnimationError, Model};
 
 /// A quarter turn about z, x, y, z, w.
