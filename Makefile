@@ -43,6 +43,7 @@ verify-all: setup ## compare every pixel of every model, light and camera with r
 
 bench: setup ## measure how fast it is; BENCHMARKS.md tells how to read the figures
 	cargo bench --workspace
+	scripts/bench-silhouettes.sh
 
 docs: ## build the documentation of the crates, without a warning
 	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps

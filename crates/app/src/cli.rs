@@ -247,6 +247,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WHERE", help_heading = "Machine")]
     pub posing: Option<Posing>,
 
+    /// Keep in this folder what silhouettes are found with, for as long as models stay as they are: preparing takes long where they are large
+    #[arg(long, value_name = "DIR", help_heading = "Machine")]
+    pub cache: Option<PathBuf>,
+
     /// Use the graphics adapter whose line in `umbrae doctor` contains NAME
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub adapter: Option<String>,

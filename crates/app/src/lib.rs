@@ -2,10 +2,11 @@
 //!
 //! Start with [`cli`], which says what can be asked; each command has a module of its own:
 //! [`render`], [`inspect`], [`sample`], [`doctor`], [`bench`]. They share [`model`] (files into one scene), [`view`] (camera and ground), [`lights`]
-//! and [`area`] (lamps with a size), [`cast`] (who casts), [`verify`] (pictures against rays), [`show`] (pictures of how it works), [`report`] (JSON), [`output`] (files that are whole or absent) and [`talk`] (standard error).
+//! and [`area`] (lamps with a size), [`cast`] (who casts), [`cache`] (what was prepared before), [`verify`] (pictures against rays), [`show`] (pictures of how it works), [`report`] (JSON), [`output`] (files that are whole or absent) and [`talk`] (standard error).
 
 pub mod area;
 pub mod bench;
+pub mod cache;
 pub mod cast;
 pub mod cli;
 pub mod doctor;

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use glam::{DVec3, Vec3};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Bounds, Camera, Caster, Light, Oracle, Scene, Sphere};
+use umbrae_core::{Bounds, Camera, Caster, Finder, FinderKind, Light, Oracle, Scene, Sphere};
 use umbrae_render::{
-    AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot, compare,
+    AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot,
+    SilhouetteSource, compare,
 };
 use web_time::Instant;
 
 use crate::area::{Area, as_points};
+use crate::cache::Cache;
 use crate::cli::{Method, Posing, RenderArgs, Silhouette};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
@@ -85,6 +87,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;
     }
     times.upload = ms_since(start);
+    if let Some(folder) = &args.cache {
+        gpu_scene.give_finders(finders(&Cache::new(folder)?, &casters, args.shadows.options().silhouettes, talk));
+    }
     let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows: args.shadows.options(), look };
 
     let start = Instant::now();
@@ -334,6 +339,18 @@ fn verify(stage: &Stage, scene: &Scene, talk: &Talk) -> anyhow::Result<(VerifyJs
         }
     }
     Ok((total, wrong))
+}
+
+/// What finds the silhouettes of those of `casters` that cast, from `cache`; nothing where silhouettes are found elsewhere. What is there already
+/// makes a tree worth it, so that is what is kept unless one says otherwise.
+fn finders(cache: &Cache, casters: &[Caster], source: SilhouetteSource, talk: &Talk) -> Vec<Option<Finder>> {
+    let kind = match source {
+        SilhouetteSource::Auto => FinderKind::Dual,
+        SilhouetteSource::Cpu(kind) => kind,
+        SilhouetteSource::Gpu | SilhouetteSource::GpuBasic => return Vec::new(),
+    };
+    let finder = |caster: &Caster| caster.role.casts.then(|| cache.finder(caster, kind, talk));
+    casters.iter().map(finder).collect()
 }
 
 /// Where `--verify` shows errors: `out-errors.png` for `out.png`.

@@ -8,6 +8,8 @@ mod bad_files;
 mod bad_options;
 #[path = "cli/bench.rs"]
 mod bench;
+#[path = "cli/cache.rs"]
+mod cache;
 #[path = "cli/casting.rs"]
 mod casting;
 #[path = "cli/files.rs"]

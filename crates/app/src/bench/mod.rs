@@ -3,21 +3,26 @@
 //! ```text
 //!   lights   under which silhouettes are found          on_cpu   times of the finders on the CPU
 //!   report   the table and the JSON                     on_gpu   and on the GPU
-//!   memory   the most that this process has used
+//!   memory   the most that this process has used        growth   of times with triangles
+//!   finer    a model of more triangles                  plot     a picture of that
 //! ```
 
+mod finer;
+mod growth;
 mod lights;
 mod memory;
 mod on_cpu;
 mod on_gpu;
+mod plot;
 mod report;
 
 use std::path::Path;
 
 use anyhow::ensure;
-use umbrae_core::Caster;
+use umbrae_core::{Caster, Finder, FinderKind};
 use umbrae_render::{AdapterChoice, Gpu};
 
+use crate::cache::Cache;
 use crate::cli::{BenchCommand, SilhouettesArgs};
 use crate::model::load_one;
 use crate::output::write_to_stdout;
@@ -33,7 +38,10 @@ use self::report::ModelTimes;
 /// When a model can't be read; then nothing is printed.
 pub fn run(what: &BenchCommand, talk: &Talk) -> anyhow::Result<()> {
     match what {
-        BenchCommand::Silhouettes(args) => silhouettes(args, talk),
+        BenchCommand::Silhouettes(args) => match &args.grow {
+            Some(plot) => growth::run(args, plot, talk),
+            None => silhouettes(args, talk),
+        },
     }
 }
 
@@ -44,9 +52,14 @@ fn silhouettes(args: &SilhouettesArgs, talk: &Talk) -> anyhow::Result<()> {
         notes.push(format!("gpu and gpu-basic are left out: {error}"));
     }
     let mut measured = Vec::new();
+    let cache = args.cache.as_deref().map(Cache::new).transpose()?;
+    let make = |caster: &Caster, kind| match &cache {
+        Some(cache) => cache.finder(caster, kind, talk),
+        None => Finder::new(caster, kind),
+    };
     for path in &args.models {
         let casters = casters(path, args, talk)?;
-        measured.push(measure(path, &casters, args, gpu.as_ref().ok(), &mut notes)?);
+        measured.push(measure((path, &casters), args, make, gpu.as_ref().ok(), &mut notes)?);
     }
     // After all that can go wrong: an error is one sentence.
     notes.iter().for_each(|note| talk.note(note));
@@ -68,14 +81,14 @@ fn casters(path: &Path, args: &SilhouettesArgs, talk: &Talk) -> anyhow::Result<V
 }
 
 fn measure(
-    path: &Path,
-    casters: &[Caster],
+    (path, casters): (&Path, &[Caster]),
     args: &SilhouettesArgs,
+    make: impl Fn(&Caster, FinderKind) -> Finder,
     gpu: Option<&Gpu>,
     notes: &mut Vec<String>,
 ) -> anyhow::Result<ModelTimes> {
     let lights = Lights::new(casters, args.lights as usize);
-    let (mut finders, edges_between_faces) = on_cpu::measure(casters, &lights)?;
+    let (mut finders, edges_between_faces) = on_cpu::measure(casters, &lights, make)?;
     for (gpu, way) in gpu.into_iter().flat_map(|gpu| on_gpu::SOURCES.map(|way| (gpu, way))) {
         match on_gpu::measure(gpu, casters, &lights.apart, way) {
             Ok(times) => finders.push(times),

@@ -12,13 +12,17 @@ const ROUNDS: usize = 5;
 /// What all finders take for `casters`, in the order of [`FinderKind::ALL`] and then [`FinderKind::Coherent`] again, from minute to minute;
 /// and how many edges are between different faces.
 ///
-/// Building may take all threads; finding is on one.
+/// `make` makes them, on as many threads as it likes; finding is on one.
 ///
 /// # Errors
 ///
 /// When no thread can be started.
-pub(super) fn measure(casters: &[Caster], lights: &Lights) -> anyhow::Result<(Vec<FinderTimes>, usize)> {
-    let built = FinderKind::ALL.map(|kind| Built::new(casters, kind));
+pub(super) fn measure(
+    casters: &[Caster],
+    lights: &Lights,
+    make: impl Fn(&Caster, FinderKind) -> Finder,
+) -> anyhow::Result<(Vec<FinderTimes>, usize)> {
+    let built = FinderKind::ALL.map(|kind| Built::new(casters, kind, &make));
     let mut walks: Vec<Walk<'_>> = built.iter().map(|built| Walk::new(built, &lights.apart)).collect();
     let mut by_minutes = [FinderKind::Scan, FinderKind::Coherent].map(|kind| {
         let built = built.iter().find(|built| built.kind == kind).expect("all kinds were built");
@@ -50,9 +54,9 @@ struct Built {
 }
 
 impl Built {
-    fn new(casters: &[Caster], kind: FinderKind) -> Self {
+    fn new(casters: &[Caster], kind: FinderKind, make: impl Fn(&Caster, FinderKind) -> Finder) -> Self {
         let start = Instant::now();
-        let finders = casters.iter().map(|caster| Finder::new(caster, kind)).collect();
+        let finders = casters.iter().map(|caster| make(caster, kind)).collect();
         Self { kind, finders, build_ms: start.elapsed().as_secs_f64() * 1e3 }
     }
 }

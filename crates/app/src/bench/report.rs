@@ -36,6 +36,13 @@ pub(super) struct FinderTimes {
     pub(super) is_equal: bool,
 }
 
+impl FinderTimes {
+    /// Its name, and which lights it had if they were others.
+    pub(super) fn label(&self) -> String {
+        if self.is_by_minutes { format!("{}, by minutes", self.name) } else { self.name.to_owned() }
+    }
+}
+
 /// What all ways took for one model.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ModelTimes {
@@ -106,8 +113,7 @@ impl ModelTimes {
             crate::talk::printable(model)
         );
         for finder in &self.finders {
-            let name =
-                if finder.is_by_minutes { format!("{}, by minutes", finder.name) } else { finder.name.to_owned() };
+            let name = finder.label();
             let is_equal = if finder.is_equal { "yes" } else { "NO" };
             // Writing to a string does not fail.
             let _ = writeln!(

@@ -45,6 +45,14 @@ pub struct SilhouettesArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Keep in this folder what the finders on the CPU have prepared; where it is there already, build ms is what reading it takes
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+
+    /// Instead, make one model finer and finer, from ten thousand to a million triangles, and draw how the times of the finders on the CPU grow (SVG)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["json", "cache"])]
+    pub grow: Option<PathBuf>,
+
     /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
     #[arg(long, value_name = "AXIS")]
     pub up: Option<Up>,

@@ -116,3 +116,17 @@ fn no_lights_are_nothing_to_measure() {
         place.refuses(&["bench", "silhouettes", &model, "--lights", count], &["--lights", count]);
     }
 }
+
+#[test]
+fn only_one_model_and_none_too_large_is_made_finer_and_never_overwritten() {
+    let place = Place::new();
+    let (model, large) = (place.file("box.obj", BOX), place.path("large.glb"));
+    let plot = place.out("growth.svg");
+    place.umbrae(&["sample", "high-rise", "-o", &large]).success();
+    let refuses = |args: &[&str], words: &[&str]| place.refuses(&[&["bench", "silhouettes"], args].concat(), words);
+    refuses(&[&model, &model, "--grow", &plot], &["--grow makes one model finer", "2 are given"]);
+    refuses(&[&large, "--grow", &plot], &["large.glb", "181596 triangles", "at most 100000"]);
+    refuses(&[&model, "--grow", &model], &["--grow would overwrite the model"]);
+    refuses(&[&model, "--grow", &place.path("no/growth.svg")], &["there is no folder"]);
+    refuses(&[&model, "--grow", &plot, "--json"], &["--grow", "--json"]);
+}
