@@ -39,7 +39,7 @@ bless: setup ## accept one golden picture as it is now: BLESS=name make bless
 	BLESS='$(BLESS)' cargo test --workspace --test golden
 
 verify-all: setup ## compare every pixel of every model, light and camera with rays, and print the table
-	cargo test --release --package umbrae --test verify -- --nocapture
+	UMBRAE_VERIFY_SILHOUETTES=every cargo test --release --package umbrae --test verify -- --nocapture
 
 bench: setup ## measure how fast it is; BENCHMARKS.md tells how to read the figures
 	cargo bench --workspace

@@ -3,7 +3,8 @@
 //!
 //! Prints a table. `UMBRAE_VERIFY=dragon` takes only what has "dragon" in its name. Of the rules of culling, one is
 //! switched off for each light and camera, another each time; `UMBRAE_VERIFY_RULES=every` switches off each of them
-//! each time.
+//! each time. So it is with the ways to find silhouettes: one for each light and camera, or with
+//! `UMBRAE_VERIFY_SILHOUETTES=every` all of them.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -26,9 +27,15 @@ const SIZE_PX: [u32; 2] = [240, 180];
 /// Of the surface pixels of the median model.
 const LEAST_DECIDED: f64 = 0.95;
 
-/// Ways to find silhouettes by which every mask is drawn, besides the CPU's: of those one after the other, a mask each.
-const FOUND: [(&str, SilhouetteSource); 2] =
-    [("the GPU", SilhouetteSource::Gpu), ("the GPU with no more than WebGL2", SilhouetteSource::GpuBasic)];
+/// Ways to find silhouettes, besides the one that is chosen if nobody says: on the GPU for both ways of counting, and each of the CPU's.
+fn all_finders() -> Vec<(String, ShadowOptions)> {
+    let on_gpu = [SilhouetteSource::Gpu, SilhouetteSource::GpuBasic];
+    let by = |silhouettes, method: Method| ShadowOptions { silhouettes, ..method.into() };
+    let of_gpu = on_gpu.into_iter().flat_map(|source| [by(source, Method::Auto), by(source, Method::ZFail)]);
+    let of_cpu = FinderKind::ALL.map(|kind| by(SilhouetteSource::Cpu(kind), Method::Auto));
+    let named = |options: ShadowOptions| (format!("{:?}, {:?}", options.silhouettes, options.method), options);
+    of_gpu.chain(of_cpu).map(named).collect()
+}
 
 /// One subject's line in the table.
 #[derive(Default)]
@@ -120,9 +127,10 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
     let mut line = Line { name: source.name.clone(), triangles: subject.triangles, ..Line::default() };
     let gpu_scene = GpuScene::new(renderer.gpu(), casters, &scene.materials, &scene.textures).unwrap();
     let oracle = Oracle::with_materials(casters, &scene.materials, &scene.textures);
-    let mut rules_off = RulesOff::new();
-    let by_kind = |kind: FinderKind| (kind.name(), SilhouetteSource::Cpu(kind));
-    let mut finders_in_turn = FinderKind::ALL.map(by_kind).into_iter().cycle();
+    let rules: Vec<_> = ShadowOptions::default().each_rule_off().map(|(name, rule)| (name.to_owned(), rule)).collect();
+    let mut rules_off = InTurn::new(&rules, "UMBRAE_VERIFY_RULES");
+    let all = all_finders();
+    let mut finders = InTurn::new(&all, "UMBRAE_VERIFY_SILHOUETTES");
     for (which, camera) in subject.cameras.iter().enumerate() {
         let judged = oracle.judge(camera, &subject.lights, || ());
         for (light, judgements) in subject.lights.iter().zip(&judged) {
@@ -135,15 +143,9 @@ fn verify(renderer: &Renderer, source: &Source) -> Line {
             for (name, method) in [("z-fail", Method::ZFail), ("eye count", Method::EyeCount)] {
                 line.compare(&draw(ShadowOptions::from(method)), judgements, &format!("{place}, {name}"));
             }
-            for (name, silhouettes) in FOUND {
-                for method in [Method::Auto, Method::ZFail] {
-                    let mask = draw(ShadowOptions { silhouettes, ..method.into() });
-                    line.compare(&mask, judgements, &format!("{place}, {method:?}, silhouettes by {name}"));
-                }
+            for (name, shadows) in finders.next() {
+                line.compare(&draw(shadows), judgements, &format!("{place}, silhouettes by {name}"));
             }
-            let (name, silhouettes) = finders_in_turn.next().expect("they go round");
-            let mask = draw(ShadowOptions { silhouettes, ..ShadowOptions::default() });
-            line.compare(&mask, judgements, &format!("{place}, silhouettes by {name}"));
             for (rule, shadows) in rules_off.next() {
                 line.compare_rule(&auto, &draw(shadows), judgements, &format!("{place}, {rule}"));
             }
@@ -164,25 +166,25 @@ fn mask(
     pollster::block_on(renderer.mask(&shot, light)).unwrap()
 }
 
-/// Goes through the rules of culling, to switch them off.
-struct RulesOff {
+/// Goes through options, one for each mask.
+struct InTurn<'a> {
+    all: &'a [(String, ShadowOptions)],
     is_every: bool,
     next: usize,
 }
 
-impl RulesOff {
-    fn new() -> Self {
-        Self { is_every: std::env::var("UMBRAE_VERIFY_RULES").is_ok_and(|rules| rules == "every"), next: 0 }
+impl<'a> InTurn<'a> {
+    /// Through `all`; every one each time if the environment's `variable` is `every`.
+    fn new(all: &'a [(String, ShadowOptions)], variable: &str) -> Self {
+        Self { all, is_every: std::env::var(variable).is_ok_and(|which| which == "every"), next: 0 }
     }
 
     /// What to draw for the next light and camera.
-    fn next(&mut self) -> Vec<(&'static str, ShadowOptions)> {
-        let all: Vec<_> = ShadowOptions::default().each_rule_off().collect();
-        if self.is_every {
-            return all;
-        }
+    fn next(&mut self) -> impl Iterator<Item = (&'a str, ShadowOptions)> {
+        let start = self.next % self.all.len();
         self.next += 1;
-        vec![all[self.next % all.len()]]
+        let chosen = if self.is_every { self.all } else { &self.all[start..=start] };
+        chosen.iter().map(|(name, options)| (name.as_str(), *options))
     }
 }
 

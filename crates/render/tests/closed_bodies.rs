@@ -72,7 +72,7 @@ fn lamps_and_eyes_in_closed_bodies_see_what_rays_see() {
         let lights = lights(&casters, &mut random);
         let judged = Oracle::new(&casters).judge(&camera, &lights, || ());
         for (light, judgements) in lights.iter().zip(&judged) {
-            for silhouettes in [SilhouetteSource::Auto, SilhouetteSource::Gpu] {
+            for silhouettes in [SilhouetteSource::Auto, SilhouetteSource::Gpu, SilhouetteSource::GpuBasic] {
                 for method in [Method::Auto, Method::ZFail] {
                     let shadows = ShadowOptions { silhouettes, ..method.into() };
                     let shot = Shot { shadows, ..Shot::new(&gpu_scene, &casters, &camera, &[]) };

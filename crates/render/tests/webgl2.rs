@@ -5,13 +5,15 @@
 #[expect(dead_code, reason = "the example's main is not run")]
 #[path = "../examples/displaced_spheres.rs"]
 mod displaced_spheres;
+mod random;
 mod soup;
 
 use std::sync::Arc;
 
 use displaced_spheres::{MAX_OFFSET_M, MOVED, NOISE};
 use glam::{DAffine3, DVec3, Vec3};
-use soup::{Random, soup};
+use random::Random;
+use soup::soup;
 use umbrae_core::{
     Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, Verdict, shapes,
 };
@@ -43,7 +45,7 @@ fn options(method: Method) -> ShadowOptions {
 /// How many pixels of masks of soups are decided, none of them wrong.
 fn decided_of_soups(gpu: Gpu) -> usize {
     let renderer = Renderer::new(gpu, 1);
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     let mut decided = 0;
     for number in 0..12 {
         let scene = soup(&mut random);

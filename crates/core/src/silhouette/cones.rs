@@ -21,7 +21,7 @@ use crate::Caster;
 
 use super::edges::Edges;
 use super::faces::Faces;
-use super::hierarchy::{Bound, Bounding, Trees};
+use super::hierarchy::{Bound, Bounding, Look, Trees};
 use super::simd::CHILDREN;
 
 /// Planes are rounded, and pass the corners of their faces within rounding; so are the bounds.
@@ -49,7 +49,7 @@ pub(super) struct Cones {
     middle: [[f32; CHILDREN]; 3],
     radius: [f32; CHILDREN],
     axis: [[f32; CHILDREN]; 3],
-    /// Of the spread; the cosine is below any height where the cone is too wide to tell anything, and above where there is none.
+    /// Of the spread; -1 where the cone is too wide to tell anything.
     cosine: [f32; CHILDREN],
     sine: [f32; CHILDREN],
 }
@@ -59,13 +59,7 @@ impl Bound for Cone {
 
     fn sixteen(bounds: &[Self]) -> Cones {
         let zero = [0.0; CHILDREN];
-        let mut cones = Cones {
-            middle: [zero; 3],
-            radius: [f32::NEG_INFINITY; CHILDREN],
-            axis: [zero; 3],
-            cosine: zero,
-            sine: zero,
-        };
+        let mut cones = Cones { middle: [zero; 3], radius: zero, axis: [zero; 3], cosine: zero, sine: zero };
         for (i, cone) in bounds.iter().enumerate() {
             let middle = (cone.min + cone.max) / 2.0;
             for axis in 0..3 {
@@ -79,7 +73,8 @@ impl Bound for Cone {
         cones
     }
 
-    fn open(cones: &Cones, [x, y, z, w]: [f32; 4], margin: f32) -> u16 {
+    fn look(cones: &Cones, [x, y, z, w]: [f32; 4], edge_on: Option<f32>) -> Look {
+        let margin = edge_on.unwrap_or(0.0) + ROUNDING;
         let mut open = 0;
         for i in 0..CHILDREN {
             let [cx, cy, cz] = cones.middle.map(|axis| axis[i]);
@@ -89,14 +84,9 @@ impl Bound for Cone {
             let across = (vx * vx + vy * vy + vz * vz - along * along).max(0.0).sqrt();
             // Above, or below, the planes through the middle: the height over that of them which the light is nearest to.
             let height = along.abs() * cones.cosine[i] - across * cones.sine[i];
-            let is_child = cones.radius[i] >= 0.0;
-            open |= u16::from(is_child && height <= w * cones.radius[i] + margin + ROUNDING) << i;
+            open |= u16::from(height <= w * cones.radius[i] + margin) << i;
         }
-        open
-    }
-
-    fn is_none(cones: &Cones, i: usize) -> bool {
-        cones.radius[i] < 0.0
+        Look { open, ..Look::default() }
     }
 
     fn join(bounds: &[Self]) -> Self {

@@ -76,8 +76,7 @@ impl Edges {
             match *around.as_slice() {
                 [] => {}
                 [a, b] if (a.times, b.times) == (1, -1) || (a.times, b.times) == (-1, 1) => {
-                    // The face that comes first in memory is the first of the two.
-                    let (first, second) = if a.face < b.face { (a, b) } else { (b, a) };
+                    let (first, second) = if is_farther(a.plane, b.plane) { (a, b) } else { (b, a) };
                     let ends = if first.times == 1 { [edge.low, edge.high] } else { [edge.high, edge.low] };
                     pairs.push(([first.face, second.face], ends));
                 }
@@ -148,4 +147,11 @@ impl Edges {
             + size_of_val(self.odd.as_slice())
             + size_of_val(self.odd_faces.as_slice())
     }
+}
+
+/// Whether `a` is farther than `b` along the axis on which the two planes differ most.
+fn is_farther(a: [f32; 4], b: [f32; 4]) -> bool {
+    let difference = |axis: &usize| (a[*axis] - b[*axis]).abs();
+    let widest = (0..4).max_by(|i, j| difference(i).total_cmp(&difference(j)).then(j.cmp(i))).unwrap_or(0);
+    a[widest] > b[widest]
 }

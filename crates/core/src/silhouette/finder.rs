@@ -7,7 +7,7 @@ use crate::{Caster, Chain, Counting, LightPosition, Topology};
 
 use super::coherent::{Follow, Incidence};
 use super::cones::{self, Cone};
-use super::dual::{self, Box4};
+use super::dual::{self, Ends};
 use super::edges::Edges;
 use super::faces::Faces;
 use super::facing::Facing;
@@ -77,7 +77,7 @@ pub struct Finder {
 pub(super) enum Method {
     Plain(PlanesInRows),
     Scan,
-    Dual(Trees<Box4>),
+    Dual(Trees<Ends>),
     Cones(Trees<Cone>),
     Coherent(Incidence),
 }

@@ -47,12 +47,23 @@ pub(super) trait Bound: Clone + Send + Sync {
     type Sixteen: std::fmt::Debug + Clone + PartialEq + BorshDeserialize + BorshSerialize;
     /// Of at most sixteen.
     fn sixteen(bounds: &[Self]) -> Self::Sixteen;
-    /// Bit `i` is set where an edge in child `i` may be silhouette, or the light no more than `margin` above or below a face there.
-    fn open(sixteen: &Self::Sixteen, hyperplane: [f32; 4], margin: f32) -> u16;
-    /// Whether bound `i` is that of no child, which no light opens.
-    fn is_none(sixteen: &Self::Sixteen, i: usize) -> bool;
+    /// How the light is turned to each child; what is said of places without one does not matter.
+    ///
+    /// With `edge_on` the light counts as in a plane where it is no higher or lower than that; without, every face is turned up or down.
+    fn look(sixteen: &Self::Sixteen, hyperplane: [f32; 4], edge_on: Option<f32>) -> Look;
     /// What holds all that each of `bounds` holds.
     fn join(bounds: &[Self]) -> Self;
+}
+
+/// How a light is turned to the children of a node: bit `i` for child `i`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Look {
+    /// Any of its edges may be silhouette.
+    pub(super) open: u16,
+    /// All of its edges are silhouette, and walked from start to end.
+    pub(super) forward: u16,
+    /// All of its edges are silhouette, and walked back.
+    pub(super) backward: u16,
 }
 
 /// How edges are bounded and kept together.
@@ -79,7 +90,7 @@ impl<B: Bound> Trees<B> {
         Self { closed: tree(0..edges.closed_pairs), others: tree(edges.closed_pairs..edges.pairs.len()) }
     }
 
-    /// Adds the pairs that are silhouette under `light` to `found`, and returns how many were tested. `open` is scratch.
+    /// Adds the pairs that are silhouette under `light` to `found`, and returns how many were tested one by one. `open` is scratch.
     pub(super) fn find(&self, light: &FramedLight, open: &mut Open, found: &mut Vec<[u32; 2]>) -> usize {
         self.closed.find(light, true, open, found) + self.others.find(light, false, open, found)
     }
@@ -109,6 +120,10 @@ struct Node<B: Bound> {
     #[borsh(bound(serialize = "", deserialize = ""))]
     bounds: B::Sixteen,
     children: [Child; CHILDREN],
+    /// The first of these are there.
+    child_count: u32,
+    /// The packets below: the first, and the one after the last.
+    packets: [u32; 2],
 }
 
 /// What a search has still to look at; scratch memory.
@@ -116,6 +131,8 @@ struct Node<B: Bound> {
 pub(super) struct Open {
     nodes: Vec<u32>,
     packets: Vec<u32>,
+    /// Packets that are silhouette as a whole: the first, the one after the last, and whether they are walked forward.
+    whole: Vec<([u32; 2], bool)>,
 }
 
 /// So many packets are fetched before they are looked at.
@@ -146,7 +163,13 @@ impl<B: Bound> Tree<B> {
     fn add(&mut self, shapes: Vec<Shape<B>>) -> Child {
         let number = self.nodes.len();
         let bounds: Vec<B> = shapes.iter().map(Shape::bound).collect();
-        self.nodes.push(Node { bounds: B::sixteen(&bounds), children: [Child::NONE; CHILDREN] });
+        let first = self.packets.len() as u32;
+        self.nodes.push(Node {
+            bounds: B::sixteen(&bounds),
+            children: [Child::NONE; CHILDREN],
+            child_count: shapes.len() as u32,
+            packets: [first; 2],
+        });
         for (i, shape) in shapes.into_iter().enumerate() {
             self.nodes[number].children[i] = match shape {
                 Shape::Packet(packet, _) => {
@@ -156,23 +179,37 @@ impl<B: Bound> Tree<B> {
                 Shape::Node(children, _) => self.add(children),
             };
         }
+        self.nodes[number].packets[1] = self.packets.len() as u32;
         Child::node(number)
     }
 
     fn find(&self, light: &FramedLight, is_closed: bool, open: &mut Open, found: &mut Vec<[u32; 2]>) -> usize {
         open.packets.clear();
+        open.whole.clear();
         open.nodes.extend((!self.nodes.is_empty()).then_some(0));
-        let margin = if is_closed { 0.0 } else { light.edge_on };
+        let edge_on = (!is_closed).then_some(light.edge_on);
         while let Some(number) = open.nodes.pop() {
             let node = &self.nodes[number as usize];
-            let mut left = B::open(&node.bounds, light.hyperplane, margin);
-            while left != 0 {
-                match node.children[left.trailing_zeros() as usize].kind() {
+            let look = B::look(&node.bounds, light.hyperplane, edge_on);
+            let is_child = |mask: u16| u32::from(mask) & ((1 << node.child_count) - 1);
+            for child in places(is_child(look.open)).map(|i| node.children[i]) {
+                match child.kind() {
                     ChildKind::Node(number) => open.nodes.push(number),
                     ChildKind::Packet(number) => open.packets.push(number),
                 }
-                left &= left - 1;
             }
+            for (mask, is_forward) in [(look.forward, true), (look.backward, false)] {
+                for child in places(is_child(mask)).map(|i| node.children[i]) {
+                    let packets = match child.kind() {
+                        ChildKind::Node(number) => self.nodes[number as usize].packets,
+                        ChildKind::Packet(number) => [number, number + 1],
+                    };
+                    open.whole.push((packets, is_forward));
+                }
+            }
+        }
+        for &([start, end], is_forward) in &open.whole {
+            self.packets[start as usize..end as usize].iter().for_each(|packet| packet.add_all(is_forward, found));
         }
         // Packets are far apart, so the next ones are on their way while one is looked at: half the time on a million edges.
         let mut tested = 0;
@@ -188,24 +225,32 @@ impl<B: Bound> Tree<B> {
     /// Whether every node but the root, and every packet, is the child of one node that comes before it, so that each is met once at most.
     fn is_whole(&self, vertices: usize) -> bool {
         let mut is_met = [vec![false; self.nodes.len()], vec![false; self.packets.len()]];
-        let mut meets = |number: usize, node: &Node<B>, i: usize| match node.children[i] {
-            Child::NONE => B::is_none(&node.bounds, i),
-            child => {
-                let (kind, at, is_after) = match child.kind() {
-                    ChildKind::Node(at) => (0, at as usize, at as usize > number),
-                    ChildKind::Packet(at) => (1, at as usize, true),
-                };
-                is_after && is_met[kind].get_mut(at).is_some_and(|is_met| !std::mem::replace(is_met, true))
-            }
+        let mut meets = |number: usize, child: Child| {
+            let (kind, at, is_after) = match child.kind() {
+                ChildKind::Node(at) => (0, at as usize, at as usize > number),
+                ChildKind::Packet(at) => (1, at as usize, true),
+            };
+            is_after && is_met[kind].get_mut(at).is_some_and(|is_met| !std::mem::replace(is_met, true))
         };
-        let mut nodes = self.nodes.iter().enumerate();
-        nodes.all(|(number, node)| (0..CHILDREN).all(|i| meets(number, node, i)))
-            && self.packets.iter().all(|packet| packet.is_whole(vertices))
+        let is_range = |[start, end]: [u32; 2]| start <= end && end as usize <= self.packets.len();
+        self.nodes.iter().enumerate().all(|(number, node)| {
+            let children = node.children.get(..node.child_count as usize);
+            is_range(node.packets) && children.is_some_and(|all| all.iter().all(|&child| meets(number, child)))
+        }) && self.packets.iter().all(|packet| packet.is_whole(vertices))
     }
 
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.packets.as_slice())
     }
+}
+
+/// The places of the bits in `mask`.
+fn places(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        place
+    })
 }
 
 /// A pair while it is sorted.

@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use crate::{Caster, LightPosition};
 
-use super::dual::{self, Box4};
+use super::dual::{self, Ends};
 use super::edges::Edges;
 use super::faces::Faces;
 use super::hierarchy::{Open, Trees};
@@ -23,7 +23,7 @@ use super::hierarchy::{Open, Trees};
 #[derive(Debug, Clone)]
 pub struct NormalFinder {
     tangents: Faces,
-    trees: Trees<Box4>,
+    trees: Trees<Ends>,
 }
 
 impl NormalFinder {

@@ -126,6 +126,16 @@ impl Packet {
         packet
     }
 
+    /// Adds all of the packet's edges to `found`, as they are or walked back.
+    pub(super) fn add_all(&self, is_forward: bool, found: &mut Vec<[u32; 2]>) {
+        let ends = &self.ends[..self.edge_count as usize];
+        if is_forward {
+            found.extend_from_slice(bytemuck::cast_slice(ends));
+        } else {
+            found.extend(ends.iter().map(|ends| bytemuck::cast::<u64, [u32; 2]>(ends.rotate_left(32))));
+        }
+    }
+
     /// Adds the packet's silhouette edges to `found`; `is_closed` says of which components it is. Returns how many edges were tested.
     pub(super) fn add_silhouette(&self, light: &FramedLight, is_closed: bool, found: &mut Vec<[u32; 2]>) -> usize {
         let hits = simd::hits(self, light.hyperplane, (!is_closed).then_some(light.edge_on));

@@ -17,7 +17,7 @@ use crate::Caster;
 
 use super::coherent::Incidence;
 use super::cones::Cone;
-use super::dual::Box4;
+use super::dual::Ends;
 use super::edges::Edges;
 use super::faces::Faces;
 use super::finder::{Finder, FinderKind, Method};
@@ -137,7 +137,7 @@ fn read(caster: &Caster, kind: FinderKind, mut content: &[u8]) -> Option<Finder>
     let method = match kind {
         FinderKind::Plain => Method::Plain(PlanesInRows::new(&faces)),
         FinderKind::Scan => Method::Scan,
-        FinderKind::Dual => Method::Dual(trees::<Box4>(caster, &mut content)?),
+        FinderKind::Dual => Method::Dual(trees::<Ends>(caster, &mut content)?),
         FinderKind::Cones => Method::Cones(trees::<Cone>(caster, &mut content)?),
         FinderKind::Coherent => Method::Coherent(Incidence::new(&faces, &edges)),
     };

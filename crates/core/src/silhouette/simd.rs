@@ -25,16 +25,22 @@ pub(super) fn coefficients(planes: [&[f32]; 4], light: [f32; 4], edge_on: Option
     plain::coefficients(planes, light, edge_on, coefficients);
 }
 
-/// For each box, given by the corners that the light is least and most above, whether the hyperplane of `light`, or one that
-/// is `margin` beside it, may pass it: bit `i` for box `i`.
-pub(super) fn cut(lowest: [&[f32; CHILDREN]; 4], highest: [&[f32; CHILDREN]; 4], light: [f32; 4], margin: f32) -> u16 {
+/// For boxes given by the corners that the light is least and most above: which it is above all of, and which it is above nothing of; bit `i` for box `i`.
+///
+/// With `edge_on` it is above what is more than that below it, and below what is more than that above.
+pub(super) fn sides(
+    lowest: [&[f32; CHILDREN]; 4],
+    highest: [&[f32; CHILDREN]; 4],
+    light: [f32; 4],
+    edge_on: Option<f32>,
+) -> [u16; 2] {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
         #[expect(unsafe_code, reason = "the processor was asked")]
         // SAFETY: the processor has AVX2.
-        return unsafe { avx2::cut(lowest, highest, light, margin) };
+        return unsafe { avx2::sides(lowest, highest, light, edge_on) };
     }
-    plain::cut(lowest, highest, light, margin)
+    plain::sides(lowest, highest, light, edge_on)
 }
 
 /// Which edges of a packet are silhouette; `threshold` is `None` in closed components.
@@ -84,19 +90,21 @@ pub(super) mod plain {
         }
     }
 
-    pub(in super::super) fn cut(
+    pub(in super::super) fn sides(
         lowest: [&[f32; CHILDREN]; 4],
         highest: [&[f32; CHILDREN]; 4],
         light: [f32; 4],
-        margin: f32,
-    ) -> u16 {
-        let mut mask = 0;
+        edge_on: Option<f32>,
+    ) -> [u16; 2] {
+        let [mut above, mut below] = [0; 2];
+        let limit = edge_on.unwrap_or(0.0);
         for i in 0..CHILDREN {
             let least = height(lowest.map(|axis| axis[i]), light);
             let most = height(highest.map(|axis| axis[i]), light);
-            mask |= u16::from(least <= margin && most >= -margin) << i;
+            above |= u16::from(least > limit) << i;
+            below |= u16::from(most < -limit || (edge_on.is_none() && most <= 0.0)) << i;
         }
-        mask
+        [above, below]
     }
 
     pub(in super::super) fn hits(packet: &Packet, light: [f32; 4], threshold: Option<f32>) -> PacketHits {
@@ -172,24 +180,29 @@ mod avx2 {
     }
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn cut(
+    pub(super) fn sides(
         lowest: [&[f32; CHILDREN]; 4],
         highest: [&[f32; CHILDREN]; 4],
         light: [f32; 4],
-        margin: f32,
-    ) -> u16 {
+        edge_on: Option<f32>,
+    ) -> [u16; 2] {
         let light = everywhere(light);
-        let mut mask = 0;
+        let limit = edge_on.unwrap_or(0.0);
+        let [mut above, mut below] = [0; 2];
         for half in 0..CHILDREN / PLANES_AT_ONCE {
             let of_half = |axis: &[f32; CHILDREN]| eight(&axis.as_chunks().0[half]);
             let least = height([of_half(lowest[0]), of_half(lowest[1]), of_half(lowest[2]), of_half(lowest[3])], light);
             let most =
                 height([of_half(highest[0]), of_half(highest[1]), of_half(highest[2]), of_half(highest[3])], light);
-            let is_low = _mm256_cmp_ps::<_CMP_LE_OQ>(least, _mm256_set1_ps(margin));
-            let is_high = _mm256_cmp_ps::<_CMP_GE_OQ>(most, _mm256_set1_ps(-margin));
-            mask |= (_mm256_movemask_ps(_mm256_and_ps(is_low, is_high)) as u16) << (PLANES_AT_ONCE * half);
+            let is_above = _mm256_cmp_ps::<_CMP_GT_OQ>(least, _mm256_set1_ps(limit));
+            let is_below = match edge_on {
+                Some(edge_on) => _mm256_cmp_ps::<_CMP_LT_OQ>(most, _mm256_set1_ps(-edge_on)),
+                None => _mm256_cmp_ps::<_CMP_LE_OQ>(most, _mm256_setzero_ps()),
+            };
+            above |= (_mm256_movemask_ps(is_above) as u16) << (PLANES_AT_ONCE * half);
+            below |= (_mm256_movemask_ps(is_below) as u16) << (PLANES_AT_ONCE * half);
         }
-        mask
+        [above, below]
     }
 
     #[target_feature(enable = "avx2")]

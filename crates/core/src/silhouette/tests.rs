@@ -278,13 +278,35 @@ fn with_and_without_avx2_the_bits_are_the_same() {
         assert_eq!(both[0], both[1]);
         assert!(both[0].contains(&1) && both[0].contains(&0) && both[0].contains(&-1) == edge_on.is_some());
     }
-    for margin in [0.0, 0.25] {
+    for edge_on in [None, Some(0.25)] {
         let mut corners = || [(); 4].map(|()| *some(CHILDREN).first_chunk::<CHILDREN>().expect("as many"));
         let (lowest, highest) = (corners(), corners());
         let light = [0.5, -0.25, 1.0, -0.75];
-        let cut = [simd::cut, simd::plain::cut].map(|cut| cut(lowest.each_ref(), highest.each_ref(), light, margin));
-        assert_eq!(cut[0], cut[1]);
+        let both =
+            [simd::sides, simd::plain::sides].map(|sides| sides(lowest.each_ref(), highest.each_ref(), light, edge_on));
+        assert_eq!(both[0], both[1]);
+        assert!(both[0].iter().all(|&mask| mask != 0 && mask != u16::MAX), "some are, some are not");
     }
+}
+
+#[test]
+fn edges_of_a_wall_of_bricks_are_found_many_at_a_time() {
+    let bricks = (0..40_u32).flat_map(|i| (0..40_u32).map(move |j| Vec3::new(2.0 * i as f32, 0.0, 2.0 * j as f32)));
+    let mut wall = Surface::default();
+    for corner in bricks {
+        let brick = shapes::cuboid(corner, corner + Vec3::ONE);
+        let first = wall.positions.len() as u32;
+        wall.positions.extend(&brick.positions);
+        wall.triangles.extend(brick.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let wall = caster(wall);
+    let finder = Finder::new(&wall, FinderKind::Dual);
+    let mut found = Found::default();
+    let sun = LightPosition::directional(DVec3::new(0.3, -1.0, 0.7)).expect("not zero");
+    finder.find(sun, &mut found);
+    assert_eq!(found.sides.len(), 6 * 40 * 40, "each brick is seen from beside a corner");
+    assert!(found.tested < finder.edge_count() / 8, "{} of {} edges tested", found.tested, finder.edge_count());
+    assert_eq!(sorted(&found.sides), boundary(&finder, &wall, sun, &Counting::outside(&wall)));
 }
 
 #[test]
