@@ -227,9 +227,9 @@ struct CasterJson {
     /// What its shadow volume is drawn with.
     #[serde(skip_serializing_if = "Option::is_none")]
     triangles: Option<TrianglesByPart>,
-    /// What each cap would have if it were drawn whole.
+    /// What each cap would have if it were drawn whole; null where z-pass draws only sides, and nobody has counted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    chain_triangles: Option<usize>,
+    chain_triangles: Option<Option<usize>>,
     /// Into how many volumes it was split so that none can overlap itself more often than the stencil can count.
     parts: usize,
     /// Bytes of each of a triangle's three indices: 2 or 4; 0 if it was not drawn.
@@ -291,7 +291,7 @@ impl CasterJson {
             volumes_around_eye: if let Some(Why::EyeCounted(volumes)) = why { Some(volumes) } else { None },
             silhouette_edges: report.faces.map(|faces| faces.silhouette_edges),
             triangles: report.faces.map(TrianglesByPart::from),
-            chain_triangles: report.faces.and_then(|faces| faces.chain_triangles),
+            chain_triangles: report.faces.map(|faces| faces.chain_triangles),
             parts: report.parts,
             bytes_per_index: report.index_bytes,
             scissor: report.rect.map(Into::into),
