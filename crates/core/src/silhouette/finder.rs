@@ -111,8 +111,8 @@ static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 impl Finder {
     /// Prepares to find silhouettes of `caster`: its planes and edges, and a tree where the kind has one.
     ///
-    /// Takes about 0.2 microseconds for each edge, and 0.3 more for a tree on all threads of the rayon pool; at most 40 bytes for each
-    /// edge, and 50 more for a tree.
+    /// Takes about 0.3 microseconds for each edge, and as long again for a tree, on two threads of the rayon pool; 30 bytes for each edge, and 50 more
+    /// for a tree.
     pub fn new(caster: &Caster, kind: FinderKind) -> Self {
         let faces = Faces::new(caster);
         let mut edges = Edges::new(caster, &faces);

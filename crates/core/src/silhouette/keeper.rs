@@ -3,9 +3,9 @@
 //! ```text
 //!   a caster that           for each triangle      is looked at by
 //!   moves                   nothing to build       the boundary of its chain: 45 ns
-//!   stands                  200 ns to build        scan: 2 ns
-//!   is asked 400 times      500 ns more            dual: 0.5 ns
-//!   has lights that creep   40 ns more             coherent: 0.1 ns
+//!   stands                  500 ns to build        scan: 3 ns
+//!   is asked 400 times      500 ns more            dual: 1 to 2 ns
+//!   has lights that creep   40 ns more             coherent: 0.2 to 0.6 ns
 //! ```
 //!
 //! A tree is built when what has been spent without it comes to what it costs, so that never more than twice the least is spent (the rule of whoever may
