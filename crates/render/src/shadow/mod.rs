@@ -4,11 +4,11 @@
 //! [`LIT`] exactly where the light reaches. [`crate::Renderer`] is one user of it; `examples/own_renderer.rs` another.
 //!
 //! ```text
-//!   options    what may be left out                 plan       fates, cases, batches
-//!   casters    vertices, uploaded once              emit       faces as indices
-//!   spheres    volumes of spheres, as vertices
-//!   pipelines  stencil states                       report     what was drawn and why
-//!   tally      counts and fill as numbers            found      silhouettes found on the GPU
+//!   options    what may be left out                 plan         fates, batches
+//!   casters    vertices, uploaded once              caster_plan  one caster's silhouette, volume and case
+//!   spheres    volumes of spheres, as vertices      emit         faces as indices
+//!   pipelines  stencil states                       report       what was drawn and why
+//!   tally      counts and fill as numbers           found        silhouettes found on the GPU
 //! ```
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
