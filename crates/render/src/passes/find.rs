@@ -108,16 +108,7 @@ impl FindPass {
         });
         let pipeline_layout = super::pipeline_layout(gpu, "find silhouettes", &[Some(&layout)]);
         let module = shaders::find(&gpu.device);
-        let pipeline = |entry_point| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry_point),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        };
+        let pipeline = |entry_point| super::compute_pipeline(gpu, &pipeline_layout, &module, entry_point);
         let [triangles, edges, arguments] = ["find_triangles", "find_edges", "find_arguments"].map(pipeline);
         Self { layout, triangles, edges, arguments }
     }

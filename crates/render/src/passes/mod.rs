@@ -73,6 +73,23 @@ pub(crate) fn pipeline_layout(
     })
 }
 
+/// A pipeline of the compute shader `entry_point` of `module`, which is its label too.
+pub(crate) fn compute_pipeline(
+    gpu: &Gpu,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    entry_point: &str,
+) -> wgpu::ComputePipeline {
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: Some(layout),
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
 /// How many workgroups there must be in two dimensions for `groups` of them, where there may be `most` in one.
 pub(crate) fn groups(most: u32, groups: u32) -> [u32; 2] {
     let across = groups.min(most).max(1);

@@ -59,16 +59,7 @@ impl PosePass {
         let layout = layout(gpu);
         let pipeline_layout = super::pipeline_layout(gpu, "pose", &[Some(&layout)]);
         let module = shaders::pose(&gpu.device, moved);
-        let pipeline = |entry_point| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry_point),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        };
+        let pipeline = |entry_point| super::compute_pipeline(gpu, &pipeline_layout, &module, entry_point);
         let (vertices, triangles) = (pipeline("pose_vertices"), pipeline("pose_triangles"));
         Self { layout, vertices, triangles }
     }
