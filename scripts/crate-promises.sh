@@ -40,18 +40,24 @@ windows='winit eframe egui rfd'
     knows_no 'file' $files
     knows_no 'clock' $clocks
     knows_no 'window' $windows
-    knows_no 'other crate of ours' umbrae-formats umbrae-render umbrae
+    knows_no 'other crate of ours' umbrae-formats umbrae-render umbrae-study umbrae
 
     crate umbrae-formats
     knows_no 'GPU' $gpu
     knows_no 'window' $windows
-    knows_no 'other crate of ours than core' umbrae-render umbrae
+    knows_no 'other crate of ours than core' umbrae-render umbrae-study umbrae
 
     crate umbrae-render
     knows_no 'model format' $models
     knows_no 'window' $windows
     knows_no 'date' $dates
-    knows_no 'other crate of ours than core' umbrae-formats umbrae
+    knows_no 'other crate of ours than core' umbrae-formats umbrae-study umbrae
+
+    crate umbrae-study
+    knows_no 'GPU' $gpu
+    knows_no 'file format' $models image png tiff
+    knows_no 'window' $windows
+    knows_no 'other crate of ours than core' umbrae-formats umbrae-render umbrae
 }
 
 # A crate exists to promise something. Only the app may know everything.

@@ -57,7 +57,7 @@ pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
 pub use reach::Reach;
 pub use role::Role;
-pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError};
+pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError, SurfaceKind};
 pub use screen::PixelRect;
 pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,

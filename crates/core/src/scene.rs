@@ -55,6 +55,24 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Index into [`Scene::textures`].
     pub base_color_texture: Option<u32>,
+    /// What its surfaces are a part of, where the file says so.
+    pub surface: SurfaceKind,
+}
+
+/// What a surface of a city model is a part of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum SurfaceKind {
+    /// The file does not say.
+    #[default]
+    Unknown,
+    /// A roof of a building.
+    Roof,
+    /// An outer wall of a building, windows and doors included.
+    Wall,
+    /// The underside of a building, where it stands.
+    Base,
+    /// The surface of the earth, with roads and water; what buildings stand on.
+    Terrain,
 }
 
 /// What a material's alpha means.
@@ -83,7 +101,14 @@ impl Material {
     /// Opaque, without a texture.
     pub fn new(name: impl Into<String>, base_color: Vec3) -> Self {
         let name = name.into();
-        Self { name, base_color, alpha: 1.0, alpha_mode: AlphaMode::Opaque, base_color_texture: None }
+        Self {
+            name,
+            base_color,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            base_color_texture: None,
+            surface: SurfaceKind::Unknown,
+        }
     }
 }
 
