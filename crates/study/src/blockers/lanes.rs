@@ -1,7 +1,8 @@
 //! Eight numbers at a time.
 //!
-//! Plain arrays, which compilers turn into vector instructions: `with_best_instructions` lets them use AVX2 where the processor has it.
-//! Products and sums are never fused, so every processor finds the same bits.
+//! Plain arrays in plain loops, which compilers turn into vector instructions: of AVX2, in a function compiled for it into which all of this is
+//! inlined. (Closures and `array::from_fn` are functions of their own and would not be.) Products and sums are never fused, so every processor finds the
+//! same bits.
 
 /// How many numbers.
 pub(super) const LANES: usize = 8;
@@ -17,21 +18,31 @@ impl Lanes {
         Self([value; LANES])
     }
 
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
-    }
-
     /// The lesser of each two.
     #[inline(always)]
-    pub(super) fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+    pub(super) fn min(mut self, other: Self) -> Self {
+        for i in 0..LANES {
+            self.0[i] = if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] };
+        }
+        self
     }
 
     /// The greater of each two.
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+    pub(super) fn max(mut self, other: Self) -> Self {
+        for i in 0..LANES {
+            self.0[i] = if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] };
+        }
+        self
+    }
+
+    /// Each without its sign.
+    #[inline(always)]
+    pub(super) fn abs(mut self) -> Self {
+        for i in 0..LANES {
+            self.0[i] = self.0[i].abs();
+        }
+        self
     }
 
     /// Bit `i`: whether lane `i` is greater than that of `other`.
@@ -47,39 +58,41 @@ impl Lanes {
     /// The least of all eight.
     #[inline(always)]
     pub(super) fn least(self) -> f32 {
-        self.0.iter().copied().fold(f32::INFINITY, f32::min)
+        let mut least = self.0[0];
+        for i in 1..LANES {
+            least = if self.0[i] < least { self.0[i] } else { least };
+        }
+        least
     }
 
     /// The greatest of all eight.
     #[inline(always)]
     pub(super) fn greatest(self) -> f32 {
-        self.0.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+        let mut greatest = self.0[0];
+        for i in 1..LANES {
+            greatest = if self.0[i] > greatest { self.0[i] } else { greatest };
+        }
+        greatest
     }
 }
 
-impl std::ops::Add for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
+macro_rules! operator {
+    ($trait:ident, $name:ident, $operator:tt) => {
+        impl std::ops::$trait for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(mut self, other: Self) -> Self {
+                for i in 0..LANES {
+                    self.0[i] $operator other.0[i];
+                }
+                self
+            }
+        }
+    };
 }
-
-impl std::ops::Sub for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl std::ops::Mul for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
+operator!(Add, add, +=);
+operator!(Sub, sub, -=);
+operator!(Mul, mul, *=);
 
 /// Eight points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +108,8 @@ impl Points {
     /// Each point less `origin`.
     #[inline(always)]
     pub(super) fn about(self, origin: [f32; 3]) -> Self {
-        Self(std::array::from_fn(|axis| self.0[axis] - Lanes::splat(origin[axis])))
+        let [x, y, z] = self.0;
+        Self([x - Lanes::splat(origin[0]), y - Lanes::splat(origin[1]), z - Lanes::splat(origin[2])])
     }
 
     /// The product of each with `direction`.
@@ -105,24 +119,4 @@ impl Points {
             + self.0[1] * Lanes::splat(direction[1])
             + self.0[2] * Lanes::splat(direction[2])
     }
-}
-
-/// Calls `f`, compiled for AVX2 where the processor has it.
-///
-/// What `f` calls must be inlined into it to gain from that.
-#[inline(always)]
-pub(super) fn with_best_instructions<R>(f: impl FnOnce() -> R) -> R {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
-            f()
-        }
-        if is_x86_feature_detected!("avx2") {
-            #[expect(unsafe_code, reason = "the processor was asked")]
-            // SAFETY: the processor has AVX2.
-            return unsafe { with_avx2(f) };
-        }
-    }
-    f()
 }

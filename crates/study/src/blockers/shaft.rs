@@ -99,18 +99,45 @@ impl Cell {
 /// The axes of light space: two across the rays, one towards the sun; orthonormal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSpace {
-    across: [f32; 3],
-    up: [f32; 3],
-    to_sun: [f32; 3],
+    across: Axis,
+    up: Axis,
+    to_sun: Axis,
+}
+
+/// A unit vector, and it without signs.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    of: [f32; 3],
+    abs: [f32; 3],
 }
 
 impl LightSpace {
     /// Light space of the unit vector `to_sun`.
     pub(super) fn new(to_sun: glam::DVec3) -> Self {
         let (across, up) = to_sun.any_orthonormal_pair();
-        let round = |v: glam::DVec3| v.as_vec3().to_array();
-        Self { across: round(across), up: round(up), to_sun: round(to_sun) }
+        let axis = |v: glam::DVec3| Axis { of: v.as_vec3().to_array(), abs: v.as_vec3().abs().to_array() };
+        Self { across: axis(across), up: axis(up), to_sun: axis(to_sun) }
     }
+}
+
+/// How far boxes reach along `axis`: from, to.
+#[inline(always)]
+fn span(middles: &Points, halves: &Points, axis: &Axis) -> [Lanes; 2] {
+    let (middle, half) = (middles.dot(axis.of), halves.dot(axis.abs));
+    [middle - half, middle + half]
+}
+
+/// Corner by corner, how far along `axis`.
+#[inline(always)]
+fn along(corners: &[Points; 4], axis: &Axis) -> [Lanes; 4] {
+    let axis = axis.of;
+    [corners[0].dot(axis), corners[1].dot(axis), corners[2].dot(axis), corners[3].dot(axis)]
+}
+
+/// The least and the greatest of four, lane by lane.
+#[inline(always)]
+fn range(of: &[Lanes; 4]) -> [Lanes; 2] {
+    [of[0].min(of[1]).min(of[2].min(of[3])), of[0].max(of[1]).max(of[2].max(of[3]))]
 }
 
 /// What is known of a packet under a sun.
@@ -138,17 +165,67 @@ impl Recent {
     }
 }
 
-/// Asks `tree` about `cell` under the sun of `light`.
-///
-/// `margin` is how far from an edge or plane a receiver must be to be certain, besides rounding; `pad` what boxes are widened by, at least the margin and the
-/// rounding of the farthest.
+/// How certain a receiver must be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Care {
+    /// How far from every edge and plane that matters, besides rounding.
+    pub(super) margin: f32,
+    /// What boxes are widened by: at least the margin and the rounding of the farthest.
+    pub(super) pad: f32,
+}
+
+/// Asks `tree` about `cell` under each of `lights`, one after the other as neighbours in time, and calls `answer` with the index of each that is not `None`.
+pub(super) fn shade_all(
+    tree: &Tree,
+    cell: &Cell,
+    lights: &[Option<LightSpace>],
+    care: Care,
+    answer: impl FnMut(usize, Shade),
+) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn with_avx2(
+            tree: &Tree,
+            cell: &Cell,
+            lights: &[Option<LightSpace>],
+            care: Care,
+            answer: impl FnMut(usize, Shade),
+        ) {
+            shade_in_order(tree, cell, lights, care, answer);
+        }
+        if is_x86_feature_detected!("avx2") {
+            #[expect(unsafe_code, reason = "the processor was asked")]
+            // SAFETY: the processor has AVX2.
+            return unsafe { with_avx2(tree, cell, lights, care, answer) };
+        }
+    }
+    shade_in_order(tree, cell, lights, care, answer);
+}
+
 #[inline(always)]
-pub(super) fn shade(
+fn shade_in_order(
+    tree: &Tree,
+    cell: &Cell,
+    lights: &[Option<LightSpace>],
+    care: Care,
+    mut answer: impl FnMut(usize, Shade),
+) {
+    let mut recent = Recent::NONE;
+    let mut stack = Vec::with_capacity(64);
+    for (i, light) in lights.iter().enumerate() {
+        if let Some(light) = light {
+            answer(i, shade(tree, cell, light, care, &mut recent, &mut stack));
+        }
+    }
+}
+
+#[inline(always)]
+fn shade(
     tree: &Tree,
     cell: &Cell,
     light: &LightSpace,
-    margin: f32,
-    pad: f32,
+    Care { margin, pad }: Care,
     recent: &mut Recent,
     stack: &mut Vec<u32>,
 ) -> Shade {
@@ -206,11 +283,9 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     #[inline(always)]
     fn new(cell: &'a Cell, light: &'a LightSpace, margin: f32, pad: f32) -> Self {
-        let span = |axis: [f32; 3]| {
-            let (middle, half) = (cell.middles.dot(axis), cell.halves.dot(axis.map(f32::abs)));
-            [middle - half, middle + half]
-        };
-        let (group_u, group_v) = (span(light.across), span(light.up));
+        let group_u = span(&cell.middles, &cell.halves, &light.across);
+        let group_v = span(&cell.middles, &cell.halves, &light.up);
+        let [lowest, _] = span(&cell.middles, &cell.halves, &light.to_sun);
         let mut walk = Self {
             cell,
             light,
@@ -218,12 +293,12 @@ impl<'a> Walk<'a> {
             pad,
             u: [group_u[0].least() - pad, group_u[1].greatest() + pad],
             v: [group_v[0].least() - pad, group_v[1].greatest() + pad],
-            lowest: span(light.to_sun)[0].least() - pad,
+            lowest: lowest.least() - pad,
             group_u,
             group_v,
             projected: [[Lanes::splat(0.0); 2]; GROUPS],
             is_projected: 0,
-            shadow: !cell.used | cell.turned_away(light.to_sun),
+            shadow: !cell.used | cell.turned_away(light.to_sun.of),
             near: 0,
             alive: 0,
         };
@@ -237,12 +312,9 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn meets(&self, middles: &Points, halves: &Points) -> u8 {
         let middles = middles.about(self.cell.middle);
-        let span = |axis: [f32; 3]| {
-            let (middle, half) = (middles.dot(axis), halves.dot(axis.map(f32::abs)));
-            [middle - half, middle + half]
-        };
-        let ([u_min, u_max], [v_min, v_max]) = (span(self.light.across), span(self.light.up));
-        let [_, top] = span(self.light.to_sun);
+        let [u_min, u_max] = span(&middles, halves, &self.light.across);
+        let [v_min, v_max] = span(&middles, halves, &self.light.up);
+        let [_, top] = span(&middles, halves, &self.light.to_sun);
         Lanes::splat(self.u[1]).greater(u_min)
             & u_max.greater(Lanes::splat(self.u[0]))
             & Lanes::splat(self.v[1]).greater(v_min)
@@ -254,15 +326,14 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn ask(&mut self, leaf: &Leaf) -> bool {
         let light = self.light;
-        let corners = leaf.corners.map(|corners| corners.about(self.cell.middle));
-        let u = corners.map(|corners| corners.dot(light.across));
-        let v = corners.map(|corners| corners.dot(light.up));
-        let w = corners.map(|corners| corners.dot(light.to_sun));
-        let least = |of: &[Lanes; 4]| of[0].min(of[1]).min(of[2].min(of[3]));
-        let greatest = |of: &[Lanes; 4]| of[0].max(of[1]).max(of[2].max(of[3]));
-        let (u_min, u_max, v_min, v_max) = (least(&u), greatest(&u), least(&v), greatest(&v));
-        let (w_min, w_max) = (least(&w), greatest(&w));
-        let facing = leaf.normals.dot(light.to_sun);
+        let about = self.cell.middle;
+        let [a, b, c, d] = &leaf.corners;
+        let corners = [a.about(about), b.about(about), c.about(about), d.about(about)];
+        let (u, v) = (along(&corners, &light.across), along(&corners, &light.up));
+        let [u_min, u_max] = range(&u);
+        let [v_min, v_max] = range(&v);
+        let [w_min, w_max] = range(&along(&corners, &light.to_sun));
+        let facing = leaf.normals.dot(light.to_sun.of);
         let mut hits = leaf.used
             & (leaf.two_sided | facing.greater(Lanes::splat(0.0)))
             & Lanes::splat(self.u[1]).greater(u_min)
@@ -270,6 +341,13 @@ impl<'a> Walk<'a> {
             & Lanes::splat(self.v[1]).greater(v_min)
             & v_max.greater(Lanes::splat(self.v[0]))
             & w_max.greater(Lanes::splat(self.lowest));
+        if hits == 0 {
+            return false;
+        }
+        let reach_u = u_max.abs().max(u_min.abs());
+        let reach_v = v_max.abs().max(v_min.abs());
+        let reach_w = w_max.abs().max(w_min.abs());
+        let reach = reach_u.max(reach_v).max(reach_w).max(Lanes::splat(self.cell.reach));
         let mut casts = false;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize;
@@ -283,12 +361,13 @@ impl<'a> Walk<'a> {
             if groups == 0 {
                 continue;
             }
-            let far = [u_min, u_max, v_min, v_max, w_min, w_max].map(|l| l.0[i].abs());
-            let reach = far.into_iter().fold(self.cell.reach, f32::max);
-            let across = std::array::from_fn(|c| [u[c].0[i], v[c].0[i]]);
-            let corner = std::array::from_fn(|axis| corners[0].0[axis].0[i]);
-            let normal = std::array::from_fn(|axis| leaf.normals.0[axis].0[i]);
-            let face = Face::new(across, corner, normal, facing.0[i], self.margin + ROUNDING * reach);
+            let across =
+                [[u[0].0[i], v[0].0[i]], [u[1].0[i], v[1].0[i]], [u[2].0[i], v[2].0[i]], [u[3].0[i], v[3].0[i]]];
+            let [x, y, z] = &corners[0].0;
+            let [nx, ny, nz] = &leaf.normals.0;
+            let (corner, normal) = ([x.0[i], y.0[i], z.0[i]], [nx.0[i], ny.0[i], nz.0[i]]);
+            let margin = self.margin + ROUNDING * reach.0[i];
+            let face = Face::new(across, corner, normal, facing.0[i], margin);
             casts |= self.cast(&face, groups);
         }
         casts
@@ -302,13 +381,13 @@ impl<'a> Walk<'a> {
             groups &= groups - 1;
             let points = &self.cell.groups[g];
             if self.is_projected >> g & 1 == 0 {
-                self.projected[g] = [points.dot(self.light.across), points.dot(self.light.up)];
+                self.projected[g] = [points.dot(self.light.across.of), points.dot(self.light.up.of)];
                 self.is_projected |= 1 << g;
             }
             let [u, v] = self.projected[g];
             let mut depth = points.dot(face.below) + Lanes::splat(face.below_offset);
-            for [a, b, c] in face.edges {
-                depth = depth.min(u * Lanes::splat(a) + v * Lanes::splat(b) + Lanes::splat(c));
+            for [a, b, c] in &face.edges {
+                depth = depth.min(u * Lanes::splat(*a) + v * Lanes::splat(*b) + Lanes::splat(*c));
             }
             let inside = depth.greater(Lanes::splat(face.margin));
             let near = depth.greater(Lanes::splat(-face.margin));
@@ -336,18 +415,16 @@ impl Face {
     fn new(across: [[f32; 2]; 4], corner: [f32; 3], normal: [f32; 3], facing: f32, margin: f32) -> Self {
         // Seen from the sun the corners go round counter-clockwise where the normal faces it.
         let side = if facing > 0.0 { 1.0 } else { -1.0 };
-        let edges = std::array::from_fn(|k| {
+        let mut edges = [[0.0; 3]; 4];
+        for (k, edge) in edges.iter_mut().enumerate() {
             let ([u, v], [next_u, next_v]) = (across[k], across[(k + 1) % 4]);
             let (du, dv) = (next_u - u, next_v - v);
             let length = (du * du + dv * dv).sqrt();
-            // An edge along the sun, or a triangle's fourth. Without it the face is wider only where it is thinner than the margin.
-            if length < margin {
-                return [0.0, 0.0, f32::MAX];
-            }
             let (a, b) = (-side * dv / length, side * du / length);
-            [a, b, -(a * u + b * v)]
-        });
-        let below = normal.map(|n| -side * n);
+            // An edge along the sun, or a triangle's fourth. Without it the face is wider only where it is thinner than the margin.
+            *edge = if length < margin { [0.0, 0.0, f32::MAX] } else { [a, b, -(a * u + b * v)] };
+        }
+        let below = [-side * normal[0], -side * normal[1], -side * normal[2]];
         let below_offset = -(below[0] * corner[0] + below[1] * corner[1] + below[2] * corner[2]);
         Self { edges, below, below_offset, margin }
     }

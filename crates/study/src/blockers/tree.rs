@@ -121,7 +121,8 @@ fn parts_of(quads: &mut [Quad]) -> Vec<usize> {
     if quads.is_empty() {
         return Vec::new();
     }
-    let mut parts = Vec::from([0..quads.len()]);
+    let mut parts = Vec::with_capacity(LANES);
+    parts.push(0..quads.len());
     while parts.len() < LANES {
         let cost = |range: &std::ops::Range<usize>| Bounds3::of(&quads[range.clone()]).surface() * range.len() as f32;
         let dearest = parts
