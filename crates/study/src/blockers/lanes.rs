@@ -48,11 +48,38 @@ impl Lanes {
     /// Bit `i`: whether lane `i` is greater than that of `other`.
     #[inline(always)]
     pub(super) fn greater(self, other: Self) -> u8 {
-        let mut bits = 0;
-        for i in 0..LANES {
-            bits |= u8::from(self.0[i] > other.0[i]) << i;
+        // Compilers make many instructions of a loop over bits, so this one is spelled out.
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_mm_cmpgt_ps, _mm_movemask_ps, _mm_setr_ps};
+            let ([a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, p]) = (self.0, other.0);
+            #[expect(unsafe_code, reason = "every x86-64 processor has SSE")]
+            // SAFETY: as the reason says; no memory is touched.
+            let [low, high] = unsafe {
+                [
+                    _mm_movemask_ps(_mm_cmpgt_ps(_mm_setr_ps(a, b, c, d), _mm_setr_ps(i, j, k, l))),
+                    _mm_movemask_ps(_mm_cmpgt_ps(_mm_setr_ps(e, f, g, h), _mm_setr_ps(m, n, o, p))),
+                ]
+            };
+            (low | high << 4) as u8
         }
-        bits
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            let mut bits = 0;
+            for i in 0..LANES {
+                bits |= u8::from(self.0[i] > other.0[i]) << i;
+            }
+            bits
+        }
+    }
+
+    /// Lane by lane, `yes` where this is greater than `than`, else `no`.
+    #[inline(always)]
+    pub(super) fn select_greater(self, than: Self, yes: Self, mut no: Self) -> Self {
+        for i in 0..LANES {
+            no.0[i] = if self.0[i] > than.0[i] { yes.0[i] } else { no.0[i] };
+        }
+        no
     }
 
     /// The least of all eight.
@@ -93,6 +120,7 @@ macro_rules! operator {
 operator!(Add, add, +=);
 operator!(Sub, sub, -=);
 operator!(Mul, mul, *=);
+operator!(Div, div, /=);
 
 /// Eight points.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -348,6 +348,8 @@ impl<'a> Walk<'a> {
         let reach_v = v_max.abs().max(v_min.abs());
         let reach_w = w_max.abs().max(w_min.abs());
         let reach = reach_u.max(reach_v).max(reach_w).max(Lanes::splat(self.cell.reach));
+        let margin = Lanes::splat(self.margin) + Lanes::splat(ROUNDING) * reach;
+        let faces = Faces::new(&u, &v, &corners[0], &leaf.normals, facing, margin);
         let mut casts = false;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize;
@@ -358,24 +360,17 @@ impl<'a> Walk<'a> {
                 & self.group_u[1].greater(Lanes::splat(u_min.0[i] - self.pad))
                 & Lanes::splat(v_max.0[i] + self.pad).greater(self.group_v[0])
                 & self.group_v[1].greater(Lanes::splat(v_min.0[i] - self.pad));
-            if groups == 0 {
-                continue;
+            if groups != 0 {
+                casts |= self.cast(&faces, i, groups);
             }
-            let across =
-                [[u[0].0[i], v[0].0[i]], [u[1].0[i], v[1].0[i]], [u[2].0[i], v[2].0[i]], [u[3].0[i], v[3].0[i]]];
-            let [x, y, z] = &corners[0].0;
-            let [nx, ny, nz] = &leaf.normals.0;
-            let (corner, normal) = ([x.0[i], y.0[i], z.0[i]], [nx.0[i], ny.0[i], nz.0[i]]);
-            let margin = self.margin + ROUNDING * reach.0[i];
-            let face = Face::new(across, corner, normal, facing.0[i], margin);
-            casts |= self.cast(&face, groups);
         }
         casts
     }
 
     #[inline(always)]
-    fn cast(&mut self, face: &Face, mut groups: u8) -> bool {
+    fn cast(&mut self, faces: &Faces, i: usize, mut groups: u8) -> bool {
         let before = self.shadow;
+        let below = [faces.below.0[0].0[i], faces.below.0[1].0[i], faces.below.0[2].0[i]];
         while groups != 0 {
             let g = groups.trailing_zeros() as usize;
             groups &= groups - 1;
@@ -385,12 +380,12 @@ impl<'a> Walk<'a> {
                 self.is_projected |= 1 << g;
             }
             let [u, v] = self.projected[g];
-            let mut depth = points.dot(face.below) + Lanes::splat(face.below_offset);
-            for [a, b, c] in &face.edges {
-                depth = depth.min(u * Lanes::splat(*a) + v * Lanes::splat(*b) + Lanes::splat(*c));
+            let mut depth = points.dot(below) + Lanes::splat(faces.below_offset.0[i]);
+            for [a, b, c] in &faces.edges {
+                depth = depth.min(u * Lanes::splat(a.0[i]) + v * Lanes::splat(b.0[i]) + Lanes::splat(c.0[i]));
             }
-            let inside = depth.greater(Lanes::splat(face.margin));
-            let near = depth.greater(Lanes::splat(-face.margin));
+            let inside = depth.greater(Lanes::splat(faces.margin.0[i]));
+            let near = depth.greater(Lanes::splat(-faces.margin.0[i]));
             self.shadow |= u64::from(inside) << (g * LANES);
             self.near |= u64::from(near) << (g * LANES);
             let is_dark = (self.shadow >> (g * LANES)) as u8 == u8::MAX;
@@ -400,32 +395,38 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// A face's shadow volume: how far a point is inside of each of its planes, in metres.
-struct Face {
+/// The shadow volumes of a leaf's faces: how far a point is inside of each of their planes, in metres or somewhat less.
+struct Faces {
     /// Times u, times v, plus.
-    edges: [[f32; 3]; 4],
+    edges: [[Lanes; 3]; 4],
     /// The distance behind the face, seen from the sun: times the position, plus.
-    below: [f32; 3],
-    below_offset: f32,
-    margin: f32,
+    below: Points,
+    below_offset: Lanes,
+    margin: Lanes,
 }
 
-impl Face {
+impl Faces {
+    /// Of corners at `u` and `v` across the rays, the first of them at `corner`; `facing` is positive where the normal is on the sun's side.
     #[inline(always)]
-    fn new(across: [[f32; 2]; 4], corner: [f32; 3], normal: [f32; 3], facing: f32, margin: f32) -> Self {
+    fn new(u: &[Lanes; 4], v: &[Lanes; 4], corner: &Points, normals: &Points, facing: Lanes, margin: Lanes) -> Self {
+        let zero = Lanes::splat(0.0);
         // Seen from the sun the corners go round counter-clockwise where the normal faces it.
-        let side = if facing > 0.0 { 1.0 } else { -1.0 };
-        let mut edges = [[0.0; 3]; 4];
-        for (k, edge) in edges.iter_mut().enumerate() {
-            let ([u, v], [next_u, next_v]) = (across[k], across[(k + 1) % 4]);
-            let (du, dv) = (next_u - u, next_v - v);
-            let length = (du * du + dv * dv).sqrt();
-            let (a, b) = (-side * dv / length, side * du / length);
+        let side = facing.select_greater(zero, Lanes::splat(1.0), Lanes::splat(-1.0));
+        let mut edges = [[zero; 3]; 4];
+        for k in 0..4 {
+            let (du, dv) = (u[(k + 1) % 4] - u[k], v[(k + 1) % 4] - v[k]);
+            // Between the length and 1.5 times it, and without a root: distances come out too small, by less than a third.
+            let length = du.abs() + dv.abs();
+            let scale = side / length.max(margin);
+            let (a, b) = (zero - dv * scale, du * scale);
+            let c = zero - (a * u[k] + b * v[k]);
             // An edge along the sun, or a triangle's fourth. Without it the face is wider only where it is thinner than the margin.
-            *edge = if length < margin { [0.0, 0.0, f32::MAX] } else { [a, b, -(a * u + b * v)] };
+            let is_long = |yes, no| length.select_greater(margin, yes, no);
+            edges[k] = [is_long(a, zero), is_long(b, zero), is_long(c, Lanes::splat(f32::MAX))];
         }
-        let below = [-side * normal[0], -side * normal[1], -side * normal[2]];
-        let below_offset = -(below[0] * corner[0] + below[1] * corner[1] + below[2] * corner[2]);
-        Self { edges, below, below_offset, margin }
+        let (zero_side, [nx, ny, nz], [x, y, z]) = (zero - side, normals.0, corner.0);
+        let below = [zero_side * nx, zero_side * ny, zero_side * nz];
+        let below_offset = zero - (below[0] * x + below[1] * y + below[2] * z);
+        Self { edges, below: Points(below), below_offset, margin }
     }
 }
