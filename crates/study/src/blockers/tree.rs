@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::lanes::{LANES, Lanes, Points};
+use super::lanes::{Eight, LANES, Points};
 use super::quads::Quad;
 
 /// Eight boxes and what is in them.
@@ -78,8 +78,8 @@ impl Tree {
     fn add_node(&mut self, quads: &mut [Quad]) -> u32 {
         let index = self.nodes.len();
         self.nodes.push(Node {
-            middles: Points([Lanes::splat(0.0); 3]),
-            halves: Points([Lanes::splat(f32::NEG_INFINITY); 3]),
+            middles: Points([Eight::ZERO; 3]),
+            halves: Points([Eight([f32::NEG_INFINITY; LANES]); 3]),
             children: [0; LANES],
         });
         let parts = parts_of(quads);
