@@ -15,6 +15,7 @@
 mod blockers;
 mod exposure;
 mod hours;
+mod outline;
 mod receivers;
 mod sun;
 mod timetable;
@@ -22,6 +23,7 @@ mod timetable;
 pub use blockers::Blockers;
 pub use exposure::{Exposure, PACKET, Packets};
 pub use hours::{Interval, SunHours};
+pub use outline::{Outline, Polygon, Projection};
 pub use receivers::{Group, GroupKind, Receivers};
 pub use sun::Sun;
 pub use timetable::{Step, Timetable};
