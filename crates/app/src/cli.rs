@@ -4,6 +4,8 @@ mod bench;
 mod light;
 mod load;
 mod shadow;
+mod sun;
+mod when;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -25,6 +27,8 @@ pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::sun::SunArgs;
+pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
 /// Exact shadows of real models
 ///
@@ -79,6 +83,8 @@ pub enum Command {
     Inspect(InspectArgs),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
+    /// Tell where the sun is on a day, and draw its path; needs no model
+    Sun(SunArgs),
     /// Measure on models of one's own how fast the parts of this program are
     Bench {
         /// What to measure

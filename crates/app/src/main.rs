@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser as _;
 use umbrae::cli::{Cli, Command, explain};
 use umbrae::talk::Talk;
-use umbrae::{bench, doctor, inspect, render, sample};
+use umbrae::{bench, doctor, inspect, render, sample, sun};
 
 /// The exit codes: all well; a verification found errors; the input or the machine is at fault.
 const OK: u8 = 0;
@@ -25,6 +25,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(args, &talk).map(|is_right| if is_right { OK } else { FOUND_ERRORS }),
         Command::Inspect(args) => inspect::run(args, &talk).map(|()| OK),
         Command::Sample(args) => sample::run(args, &talk).map(|()| OK),
+        Command::Sun(args) => sun::run(args, &talk).map(|()| OK),
         Command::Bench { what } => bench::run(what, &talk).map(|()| OK),
         Command::Doctor => doctor::run().map(|()| OK),
         Command::Completions { shell } => umbrae::cli::write_completions(*shell).map(|()| OK),
