@@ -18,6 +18,7 @@ mod hours;
 mod outline;
 mod profile;
 mod receivers;
+pub mod rules;
 mod sun;
 mod timetable;
 
