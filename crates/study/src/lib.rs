@@ -27,6 +27,7 @@ mod period;
 mod place;
 mod profile;
 mod receivers;
+pub mod rules;
 mod sun;
 mod sun_path;
 mod time_error;
