@@ -22,6 +22,6 @@ mod timetable;
 pub use blockers::Blockers;
 pub use exposure::{Exposure, PACKET, Packets};
 pub use hours::{Interval, SunHours};
-pub use receivers::{Group, GroupKind, Receivers};
+pub use receivers::{GroundGrid, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
 pub use sun::Sun;
 pub use timetable::{Step, Timetable};
