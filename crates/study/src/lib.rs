@@ -15,13 +15,15 @@
 mod blockers;
 mod exposure;
 mod hours;
+mod packets;
 mod receivers;
 mod sun;
 mod timetable;
 
 pub use blockers::Blockers;
-pub use exposure::{Exposure, PACKET, Packets};
+pub use exposure::Exposure;
 pub use hours::{Interval, SunHours};
+pub use packets::{PACKET, Packets};
 pub use receivers::{GroundGrid, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
 pub use sun::Sun;
 pub use timetable::{Step, Timetable};
