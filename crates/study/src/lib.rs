@@ -15,6 +15,7 @@
 mod blockers;
 mod exposure;
 mod hours;
+mod outline;
 mod packets;
 mod receivers;
 mod sun;
@@ -23,6 +24,7 @@ mod timetable;
 pub use blockers::Blockers;
 pub use exposure::Exposure;
 pub use hours::{Interval, SunHours};
+pub use outline::{Outline, Polygon, Projection};
 pub use packets::{PACKET, Packets};
 pub use receivers::{GroundGrid, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
 pub use sun::Sun;
