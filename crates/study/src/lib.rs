@@ -13,19 +13,36 @@
 //! time and stands for its middle; durations are seconds of UTC.
 
 mod blockers;
+mod clock;
+mod dates;
+mod events;
 mod exposure;
 mod hours;
+mod julian;
+mod local_time;
 mod outline;
 mod packets;
+mod period;
+mod place;
 mod receivers;
 mod sun;
+mod time_error;
 mod timetable;
+mod zone;
 
 pub use blockers::Blockers;
-pub use exposure::Exposure;
+pub use clock::{Clock, ClockKind, LocalDay, equation_of_time_s};
+pub use dates::{parse_date, parse_dates};
+pub use events::{DayKind, HORIZON_DEG, SunDay, spans_of_sun};
+pub use exposure::{Exposure, PACKET, Packets};
 pub use hours::{Interval, SunHours};
+pub use local_time::LocalTime;
 pub use outline::{Outline, Polygon, Projection};
 pub use packets::{PACKET, Packets};
+pub use period::{DayWindow, Edge, Period, parse_step};
+pub use place::Place;
 pub use receivers::{GroundGrid, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
-pub use sun::Sun;
+pub use sun::{Refraction, Sun, SunOptions};
+pub use time_error::TimeError;
 pub use timetable::{Step, Timetable};
+pub use zone::Zone;
