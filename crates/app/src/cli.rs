@@ -2,6 +2,7 @@
 
 mod bench;
 mod light;
+mod load;
 mod shadow;
 
 use std::ffi::OsString;
@@ -22,6 +23,7 @@ use crate::show::Mode;
 
 pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
+pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
 
 /// Exact shadows of real models
@@ -130,9 +132,9 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
 
-    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
-    #[arg(long, value_name = "AXIS")]
-    pub up: Option<Up>,
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 
     /// Show animated models as they are this long after the beginning; after its last key an animation stands still (default: at rest)
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
@@ -281,9 +283,9 @@ pub struct InspectArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
-    #[arg(long, value_name = "AXIS")]
-    pub up: Option<Up>,
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 }
 
 /// Write one of the built-in scenes

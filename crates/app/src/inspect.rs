@@ -102,7 +102,7 @@ struct ObjectJson {
 pub fn run(args: &InspectArgs, talk: &Talk) -> anyhow::Result<()> {
     // JSON carries the warnings itself.
     let quiet = Talk::new(true, crate::cli::ColorWhen::Never);
-    let model = load_one(&args.model, args.up, if args.json { &quiet } else { talk })?;
+    let model = load_one(&args.model, &args.load.options(), if args.json { &quiet } else { talk })?;
     let inspection = Inspection::new(args.model.display().to_string(), &model);
     let text = if args.json { format!("{}\n", serde_json::to_string_pretty(&inspection)?) } else { inspection.text() };
     write_to_stdout(text.as_bytes())

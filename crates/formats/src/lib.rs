@@ -25,6 +25,7 @@
 //! ```
 
 mod animation;
+mod crs;
 mod error;
 mod gltf;
 mod load;
@@ -39,6 +40,7 @@ mod text;
 mod warnings;
 
 pub use animation::{Animation, AnimationError, Animations, Playing};
+pub use crs::{Crs, CrsError};
 pub use error::{LoadError, Place, Problem};
 pub use load::{LoadOptions, load, load_bytes};
 pub use model::{Format, Model, UpAxis};

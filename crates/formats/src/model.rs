@@ -4,7 +4,8 @@ use std::path::Path;
 
 use umbrae_core::Scene;
 
-use crate::{Animations, Warning};
+use crate::warnings::Warnings;
+use crate::{Animations, Crs, Warning};
 
 /// A loaded file.
 ///
@@ -17,10 +18,30 @@ pub struct Model {
     pub format: Format,
     /// The axis that the file was taken to have up: `Y` means that its (x, y, z) is the scene's (x, -z, y).
     pub up: UpAxis,
+    /// What [`Scene::origin`] plus a position of the scene is in, always projected; `None` if neither the file nor the user
+    /// says so.
+    pub crs: Option<Crs>,
+    /// What the file itself is in, if its coordinates were computed anew for `crs`.
+    pub source_crs: Option<Crs>,
     /// What was left out or changed, each kind once.
     pub warnings: Vec<Warning>,
     /// What the file says moves; `scene` is at rest until it is played.
     pub animations: Animations,
+}
+
+impl Model {
+    /// A model that says nothing of where it is, and in which nothing moves.
+    pub(crate) fn of_mesh_file(scene: Scene, format: Format, up: UpAxis, warnings: Warnings) -> Self {
+        Self {
+            scene,
+            format,
+            up,
+            crs: None,
+            source_crs: None,
+            warnings: warnings.finish(),
+            animations: Animations::default(),
+        }
+    }
 }
 
 /// A file format.

@@ -34,7 +34,7 @@ pub use blockers::Blockers;
 pub use clock::{Clock, ClockKind, LocalDay, equation_of_time_s};
 pub use dates::{parse_date, parse_dates};
 pub use events::{DayKind, HORIZON_DEG, SunDay, spans_of_sun};
-pub use exposure::{Exposure, PACKET, Packets};
+pub use exposure::Exposure;
 pub use hours::{Interval, SunHours};
 pub use local_time::LocalTime;
 pub use outline::{Outline, Polygon, Projection};
