@@ -4,6 +4,7 @@ mod bench;
 mod light;
 mod load;
 mod shadow;
+mod study;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -25,6 +26,7 @@ pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::study::{On, StudyArgs};
 
 /// Exact shadows of real models
 ///
@@ -77,6 +79,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a model is made of and how it will cast; needs no graphics driver
     Inspect(InspectArgs),
+    /// Find where the sun reaches over a period: hours, shadow profiles, verdicts; needs no graphics driver
+    Study(Box<StudyArgs>),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
     /// Measure on models of one's own how fast the parts of this program are
