@@ -8,6 +8,7 @@
 //! ground over all of it; the sun of an equinox at 52.52 degrees north, from rise to set.
 
 use std::error::Error;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -48,7 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let engine_s = start.elapsed().as_secs_f64();
     let tests = receivers.len() * suns.len();
     let lit: u64 = exposure.lit.iter().map(|word| u64::from(word.count_ones())).sum();
-    println!(
+    writeln!(
+        io::stdout(),
         "{{\"triangles\": {}, \"receivers\": {}, \"suns\": {}, \"threads\": {threads}, \"prepare_s\": {prepare_s:.4}, \"sort_s\": {sort_s:.4}, \
          \"engine_s\": {engine_s:.4}, \"million_tests_per_s\": {:.1}, \"lit\": {lit}, \"undecided\": {}}}",
         casters.iter().map(|c| c.mesh.triangles().len()).sum::<usize>(),
@@ -56,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         suns.len(),
         tests as f64 / engine_s / 1e6,
         exposure.undecided.len(),
-    );
+    )?;
     if let Some(folder) = args.get(4) {
         write(Path::new(folder), &casters, &receivers, &suns, &packets, &exposure)?;
     }
@@ -122,7 +124,7 @@ fn day(count: usize) -> Vec<DVec3> {
         .collect()
 }
 
-/// The same city on every machine (SplitMix64).
+/// The same city on every machine (`SplitMix64`).
 struct Random(u64);
 
 impl Random {

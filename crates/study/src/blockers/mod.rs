@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use umbrae_core::{Caster, RayCaster};
 
 use crate::{Exposure, Packets, Receivers};
-use shaft::{Cell, LightSpace, Recent};
+use shaft::{Care, Cell, LightSpace};
 use tree::Tree;
 
 /// The triangles of a scene, made ready: a tree of faces for packets of receivers, and rays in `f64` for what is too near to an edge to call, and to check.
@@ -74,7 +74,7 @@ impl Blockers {
         stop: &AtomicBool,
         packet_done: impl Fn() + Sync,
     ) -> Option<Exposure> {
-        let lights: Vec<_> = suns.iter().map(|sun| sun.map(|to_sun| (to_sun, LightSpace::new(to_sun)))).collect();
+        let lights: Vec<_> = suns.iter().map(|sun| sun.map(LightSpace::new)).collect();
         let mut lit = vec![0; range.len() * suns.len()];
         let undecided: Vec<Vec<(u32, u32)>> = if suns.is_empty() {
             Vec::new()
@@ -84,7 +84,7 @@ impl Blockers {
                 if stop.load(Ordering::Relaxed) {
                     return None;
                 }
-                let undecided = self.expose_packet(receivers, packets.members(packet), &lights, row);
+                let undecided = self.expose_packet(receivers, packets.members(packet), suns, &lights, row);
                 packet_done();
                 Some(undecided)
             })
@@ -100,28 +100,23 @@ impl Blockers {
         &self,
         receivers: &Receivers,
         members: &[u32],
-        lights: &[Option<(DVec3, LightSpace)>],
+        suns: &[Option<DVec3>],
+        lights: &[Option<LightSpace>],
         row: &mut [u64],
     ) -> Vec<(u32, u32)> {
         let of = |&r: &u32| (receivers.positions[r as usize].to_array(), receivers.normals[r as usize].to_array());
         let cell = Cell::new(&members.iter().map(of).collect::<Vec<_>>());
-        let margin = self.margin_m as f32;
         let mut near = Vec::new();
-        lanes::with_best_instructions(|| {
-            let mut recent = Recent::NONE;
-            let mut stack = Vec::with_capacity(64);
-            for (step, (word, light)) in row.iter_mut().zip(lights).enumerate() {
-                let Some((_, light)) = light else { continue };
-                let shade = shaft::shade(&self.tree, &cell, light, margin, self.pad, &mut recent, &mut stack);
-                *word = cell.used & !shade.shadow;
-                if shade.near != 0 {
-                    near.push((step, shade.near));
-                }
+        let care = Care { margin: self.margin_m as f32, pad: self.pad };
+        shaft::shade_all(&self.tree, &cell, lights, care, |step, shade| {
+            row[step] = cell.used & !shade.shadow;
+            if shade.near != 0 {
+                near.push((step, shade.near));
             }
         });
         let mut undecided = Vec::new();
         for (step, mut lanes) in near {
-            let Some((to_sun, _)) = lights[step] else { continue };
+            let Some(to_sun) = suns[step] else { continue };
             while lanes != 0 {
                 let lane = lanes.trailing_zeros();
                 lanes &= lanes - 1;

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::lanes::{LANES, Lanes, Points};
+use super::lanes::{Eight, LANES, Points};
 use super::quads::Quad;
 
 /// Eight boxes and what is in them.
@@ -78,8 +78,8 @@ impl Tree {
     fn add_node(&mut self, quads: &mut [Quad]) -> u32 {
         let index = self.nodes.len();
         self.nodes.push(Node {
-            middles: Points([Lanes::splat(0.0); 3]),
-            halves: Points([Lanes::splat(f32::NEG_INFINITY); 3]),
+            middles: Points([Eight::ZERO; 3]),
+            halves: Points([Eight([f32::NEG_INFINITY; LANES]); 3]),
             children: [0; LANES],
         });
         let parts = parts_of(quads);
@@ -121,7 +121,8 @@ fn parts_of(quads: &mut [Quad]) -> Vec<usize> {
     if quads.is_empty() {
         return Vec::new();
     }
-    let mut parts = Vec::from([0..quads.len()]);
+    let mut parts = Vec::with_capacity(LANES);
+    parts.push(0..quads.len());
     while parts.len() < LANES {
         let cost = |range: &std::ops::Range<usize>| Bounds3::of(&quads[range.clone()]).surface() * range.len() as f32;
         let dearest = parts
