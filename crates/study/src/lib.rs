@@ -26,6 +26,7 @@ mod period;
 mod place;
 mod profile;
 mod receivers;
+pub mod rules;
 mod sun;
 mod time_error;
 mod timetable;
