@@ -1,9 +1,11 @@
 //! When the sun rises, sets, crosses the meridian, and passes an altitude.
 
-use jiff::Timestamp;
+use jiff::civil::Date;
+use jiff::tz::TimeZone;
+use jiff::{SignedDuration, Timestamp};
 use solar_positioning::{ElevationTarget, Horizon, HorizonState, SolarEvents, SolarPositions};
 
-use crate::julian::{days, lag_s, moment};
+use crate::julian::{days, julian, lag_s, moment};
 use crate::{Place, Sun, SunOptions, TimeError};
 
 /// Of the sun's middle when its upper edge is on a level horizon at sea level: half a degree of refraction and a quarter of radius, without refraction.
@@ -165,4 +167,35 @@ fn spans(
     spans.extend(up_since.map(|from| [from, end]));
     spans.retain(|[from, to]| from < to);
     spans
+}
+
+/// The March equinox, the June solstice, the September equinox and the December solstice of `year`, to the second by the algorithm.
+///
+/// # Errors
+///
+/// [`TimeError::NoSun`] outside the years -500 to 3000.
+pub fn equinoxes_and_solstices(year: i16) -> Result<[Timestamp; 4], TimeError> {
+    let mut moments = [Timestamp::UNIX_EPOCH; 4];
+    for (quarter, found) in moments.iter_mut().enumerate() {
+        // They wander by some weeks in a thousand years; three weeks to either side the sun is still on the same side of its quarter's
+        // right ascension.
+        let about = Date::new(year, 3 * quarter as i8 + 3, 21)
+            .and_then(|date| date.to_zoned(TimeZone::UTC))
+            .map_err(|_| TimeError::NoSun { time: Timestamp::MIN })?
+            .timestamp();
+        let [mut before, mut after] = [-504, 504].map(|hours| about + SignedDuration::from_hours(hours));
+        while after.duration_since(before) > SignedDuration::from_secs(1) {
+            let middle = before + after.duration_since(before) / 2;
+            let past_deg = right_ascension_deg(middle)? - 90.0 * quarter as f64;
+            let is_past = (past_deg + 180.0).rem_euclid(360.0) >= 180.0;
+            (before, after) = if is_past { (before, middle) } else { (middle, after) };
+        }
+        *found = after;
+    }
+    Ok(moments)
+}
+
+fn right_ascension_deg(time: Timestamp) -> Result<f64, TimeError> {
+    let prepared = SolarPositions::new().for_time_from_julian(julian(time, None)?);
+    prepared.map(|prepared| prepared.right_ascension()).map_err(|_| TimeError::NoSun { time })
 }

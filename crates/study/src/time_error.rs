@@ -4,6 +4,7 @@ use jiff::Timestamp;
 use jiff::civil::{Date, DateTime};
 
 use crate::LocalTime;
+use crate::zone::offset_text;
 
 /// Why there is no [`crate::Place`], no [`crate::Period`] or no [`crate::Timetable`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -83,7 +84,11 @@ pub enum TimeError {
     },
     /// Clocks were put forward over it.
     #[error(
-        "{time} on {date} does not exist in {zone}: clocks went from {before} ({before_offset}) straight to {after} ({after_offset}); give a time before or after that"
+        "{time} on {date} does not exist in {zone}: clocks went from {} ({}) straight to {} ({}); give a time before or after that",
+        shown(*before, *date),
+        offset_text(*before_offset),
+        shown(*after, *date),
+        offset_text(*after_offset)
     )]
     Gap {
         /// The time that does not exist.
@@ -103,7 +108,9 @@ pub enum TimeError {
     },
     /// A time with an offset that the zone does not have then.
     #[error(
-        "{time} on {date} is not a time of {zone}, whose clocks are {used} then; leave the offset out, or count in it all along with the time zone {given}"
+        "{time} on {date} is not a time of {zone}, whose clocks are {} then; leave the offset out, or count in it all along with the time zone {}",
+        offset_text(*used),
+        offset_text(*given)
     )]
     OffsetNotInUse {
         /// The time, with its offset.
@@ -178,4 +185,10 @@ pub enum TimeError {
 fn suggestion(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     if names.is_empty() { String::new() } else { format!("; did you mean {}?", names.join(" or ")) }
+}
+
+/// The time alone where the date is clear.
+fn shown(clock: DateTime, date: Date) -> String {
+    let time = clock.strftime(if clock.second() == 0 { "%H:%M" } else { "%H:%M:%S" });
+    if clock.date() == date { time.to_string() } else { format!("{time} of {}", clock.date()) }
 }
