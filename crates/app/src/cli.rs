@@ -4,6 +4,7 @@ mod bench;
 mod light;
 mod load;
 mod shadow;
+mod study;
 mod sun;
 mod when;
 
@@ -27,6 +28,7 @@ pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::study::{On, StudyArgs};
 pub use self::sun::SunArgs;
 pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
@@ -81,6 +83,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a model is made of and how it will cast; needs no graphics driver
     Inspect(InspectArgs),
+    /// Find where the sun reaches over a period: hours, shadow profiles, verdicts; needs no graphics driver
+    Study(Box<StudyArgs>),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
     /// Tell where the sun is on a day, and draw its path; needs no model
