@@ -15,5 +15,5 @@ fuzz_target!(|data: &[u8]| {
     let Some((&choice, bytes)) = data.split_first() else { return };
     let format = [Format::Gltf, Format::Obj, Format::Ply, Format::Stl][usize::from(choice % 4)];
     let up = [None, Some(UpAxis::Y), Some(UpAxis::Z)][usize::from(choice / 4 % 3)];
-    let _ = load_bytes(bytes, format, "fuzz", None, &LoadOptions { up });
+    let _ = load_bytes(bytes, format, "fuzz", None, &LoadOptions { up, ..LoadOptions::default() });
 });

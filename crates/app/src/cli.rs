@@ -2,7 +2,9 @@
 
 mod bench;
 mod light;
+mod load;
 mod shadow;
+mod study;
 mod sun;
 mod when;
 
@@ -24,7 +26,9 @@ use crate::show::Mode;
 
 pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
+pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::study::{On, StudyArgs};
 pub use self::sun::SunArgs;
 pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
@@ -79,6 +83,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a model is made of and how it will cast; needs no graphics driver
     Inspect(InspectArgs),
+    /// Find where the sun reaches over a period: hours, shadow profiles, verdicts; needs no graphics driver
+    Study(Box<StudyArgs>),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
     /// Tell where the sun is on a day, and draw its path; needs no model
@@ -136,9 +142,9 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
 
-    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
-    #[arg(long, value_name = "AXIS")]
-    pub up: Option<Up>,
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 
     /// Show animated models as they are this long after the beginning; after its last key an animation stands still (default: at rest)
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
@@ -287,9 +293,9 @@ pub struct InspectArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
-    #[arg(long, value_name = "AXIS")]
-    pub up: Option<Up>,
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 }
 
 /// Write one of the built-in scenes

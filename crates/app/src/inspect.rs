@@ -102,7 +102,7 @@ struct ObjectJson {
 pub fn run(args: &InspectArgs, talk: &Talk) -> anyhow::Result<()> {
     // JSON carries the warnings itself.
     let quiet = Talk::new(true, crate::cli::ColorWhen::Never);
-    let model = load_one(&args.model, args.up, if args.json { &quiet } else { talk })?;
+    let model = load_one(&args.model, &args.load.options(), if args.json { &quiet } else { talk })?;
     let inspection = Inspection::new(args.model.display().to_string(), &model);
     let text = if args.json { format!("{}\n", serde_json::to_string_pretty(&inspection)?) } else { inspection.text() };
     write_to_stdout(text.as_bytes())
@@ -112,7 +112,7 @@ impl Inspection {
     /// Counts everything in `model`, which was read from `file`.
     ///
     /// In the whole, a mesh counts once however many instances it has. Groups of an OBJ file and solids of an STL file are parts of one
-    /// surface, so there the whole is welded as one and may be closed where its parts are not; meshes of a glTF file are bodies of their own.
+    /// surface, so there the whole is welded as one and may be closed where its parts are not; meshes of a glTF file, and objects of a city, are bodies of their own.
     pub fn new(file: String, model: &Model) -> Self {
         let scene = &model.scene;
         let origin = scene.origin;
@@ -132,7 +132,9 @@ impl Inspection {
             })
             .collect();
         let total = match (model.format, casters.len()) {
-            (Format::Gltf, _) | (_, 1) => total_of_meshes(scene, &casters),
+            (Format::Gltf | Format::CityJson | Format::GeoJson | Format::GeoTiff, _) | (_, 1) => {
+                total_of_meshes(scene, &casters)
+            }
             (Format::Obj | Format::Ply | Format::Stl, _) => total_of_surface(scene),
         };
         Self {

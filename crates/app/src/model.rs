@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
 use umbrae_core::Scene;
-use umbrae_formats::{Format, LoadOptions, Model, UpAxis, Warning, load};
+use umbrae_formats::{Crs, Format, LoadOptions, Model, UpAxis, Warning, load};
 
-use crate::cli::Up;
 use crate::talk::Talk;
 
 /// What is known about a file after its scene went into the whole.
@@ -18,6 +17,10 @@ pub struct LoadedFile {
     pub format: Format,
     /// Its axis that is up.
     pub up: UpAxis,
+    /// What its coordinates are in, where that is known.
+    pub crs: Option<Crs>,
+    /// What they were in, if that was something else.
+    pub source_crs: Option<Crs>,
     /// What was left out.
     pub warnings: Vec<Warning>,
     /// Whether it is shown at a moment of an animation.
@@ -33,22 +36,24 @@ pub struct Moment {
     pub animation: Option<String>,
 }
 
-/// Loads `paths` into one scene about the first one's origin, as they are at `moment` (at rest for `None`), and says every warning.
+/// Loads `paths` into one scene about the first one's origin, and in the coordinate reference system of the first that has one, as they are at `moment` (at rest for `None`), and says every warning.
 ///
 /// # Errors
 ///
 /// The first file that can't be loaded, played or joined, with the reason; or that none has the animation of that name.
 pub fn load_all(
     paths: &[PathBuf],
-    up: Option<Up>,
+    options: &LoadOptions,
     moment: Option<&Moment>,
     talk: &Talk,
 ) -> anyhow::Result<(Scene, Vec<LoadedFile>)> {
     let mut scene = Scene::default();
     let mut files = Vec::new();
     let (mut is_animated, mut names) = (false, Vec::new());
+    let mut options = options.clone();
     for path in paths {
-        let mut model = read(path, up)?;
+        let mut model = load(path, &options)?;
+        options.into = options.into.or(model.crs.clone());
         let mut is_played = false;
         if let Some(moment) = moment {
             let cant = || format!("can't play `{}`", path.display());
@@ -57,8 +62,8 @@ pub fn load_all(
             names.extend(model.animations.iter().map(|animation| format!("`{}`", animation.name)));
         }
         scene.add(model.scene).with_context(|| format!("can't join `{}` with the models before it", path.display()))?;
-        let (format, up, warnings) = (model.format, model.up, model.warnings);
-        files.push(LoadedFile { path: path.clone(), format, up, warnings, is_played });
+        let Model { format, up, crs, source_crs, warnings, .. } = model;
+        files.push(LoadedFile { path: path.clone(), format, up, crs, source_crs, warnings, is_played });
     }
     match moment {
         Some(Moment { animation: Some(name), .. }) if !is_animated => {
@@ -91,14 +96,10 @@ fn play(model: &mut Model, moment: &Moment) -> anyhow::Result<bool> {
 /// # Errors
 ///
 /// When the file can't be loaded, with the reason.
-pub fn load_one(path: &Path, up: Option<Up>, talk: &Talk) -> anyhow::Result<Model> {
-    let model = read(path, up)?;
+pub fn load_one(path: &Path, options: &LoadOptions, talk: &Talk) -> anyhow::Result<Model> {
+    let model = load(path, options)?;
     say(path, &model.warnings, talk);
     Ok(model)
-}
-
-fn read(path: &Path, up: Option<Up>) -> anyhow::Result<Model> {
-    Ok(load(path, &LoadOptions { up: up.map(Into::into) })?)
 }
 
 fn say(path: &Path, warnings: &[Warning], talk: &Talk) {
@@ -110,6 +111,9 @@ fn say(path: &Path, warnings: &[Warning], talk: &Talk) {
 /// The name of a format in reports.
 pub fn format_name(format: Format) -> &'static str {
     match format {
+        Format::CityJson => "cityjson",
+        Format::GeoJson => "geojson",
+        Format::GeoTiff => "geotiff",
         Format::Gltf => "gltf",
         Format::Obj => "obj",
         Format::Ply => "ply",

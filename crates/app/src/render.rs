@@ -52,7 +52,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, args.up, args.moment().as_ref(), talk)?;
+    let (mut scene, files) = load_all(&args.models, &args.load.options(), args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let spheres = spheres(args, scene.origin);
     let model = spheres.iter().fold(scene.bounds(), |bounds, sphere| bounds.union(sphere.bounds()));

@@ -13,6 +13,7 @@ use umbrae::cli::ColorWhen;
 use umbrae::inspect::{Counts, Inspection};
 use umbrae::model::load_one;
 use umbrae::talk::Talk;
+use umbrae_formats::LoadOptions;
 
 /// Models on which all must agree.
 const LEAST_AGREEING: usize = 90;
@@ -94,7 +95,7 @@ fn measured_in_line(line: &str) -> Option<Measured> {
 /// Why ours is not what was measured, if it is not.
 fn disagreement(folder: &Path, measured: &Measured) -> Option<String> {
     let path = folder.join(&measured.path);
-    let model = match load_one(&path, None, &Talk::new(true, ColorWhen::Never)) {
+    let model = match load_one(&path, &LoadOptions::default(), &Talk::new(true, ColorWhen::Never)) {
         Ok(model) => model,
         Err(error) => return Some(format!("can't be read: {error}")),
     };

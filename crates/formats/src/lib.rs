@@ -25,20 +25,29 @@
 //! ```
 
 mod animation;
+mod cityjson;
+mod crs;
 mod error;
+mod geojson;
+mod georeference;
+mod geotiff;
 mod gltf;
+mod json;
 mod load;
+mod look;
 mod model;
 mod obj;
 mod picture;
 mod place;
 mod ply;
 mod polygon;
+mod sanity;
 mod stl;
 mod text;
 mod warnings;
 
 pub use animation::{Animation, AnimationError, Animations, Playing};
+pub use crs::{Crs, CrsError};
 pub use error::{LoadError, Place, Problem};
 pub use load::{LoadOptions, load, load_bytes};
 pub use model::{Format, Model, UpAxis};

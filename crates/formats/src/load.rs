@@ -5,14 +5,30 @@ use std::io;
 use std::path::Path;
 
 use crate::error::Problem;
-use crate::{Format, LoadError, Model, UpAxis, gltf, obj, ply, stl};
+use crate::{
+    Crs, Format, LoadError, Model, UpAxis, cityjson, geojson, georeference, geotiff, gltf, json, obj, ply, stl,
+};
 
-/// What a file does not say about itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What a file does not say about itself, and what of it is wanted.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LoadOptions {
     /// The file's up axis, where its format leaves it open; `None` is what is usual for the format: z for STL,
     /// y for OBJ and PLY. glTF says that y is up, so there this is ignored, with a warning.
     pub up: Option<UpAxis>,
+    /// What the file's coordinates are in, where it says nothing. A file that does say is believed, with a warning if
+    /// that is something else.
+    pub crs: Option<Crs>,
+    /// What the scene is to be in, which must be projected: that of a model that is already there. `None` is what the file
+    /// is in, or the UTM zone of its middle where that is no plane in metres (degrees, web maps).
+    pub into: Option<Crs>,
+    /// The level of detail of a CityJSON file, as it is named there ("1.3"); `None` is the highest of each object.
+    pub lod: Option<String>,
+    /// The property of GeoJSON features that is their height above their base; `None` is the first that is usual.
+    pub height_field: Option<String>,
+    /// The property of GeoJSON features that is the height of their base; `None` is the first that is usual, else 0.
+    pub base_field: Option<String>,
+    /// How many samples of a terrain in a row and column become one, at least 1; `None` is 1.
+    pub terrain_step: Option<u32>,
 }
 
 /// What every reader is given besides the bytes.
@@ -23,7 +39,7 @@ pub(crate) struct Context<'a> {
     /// Where files lie that this one names; `None` when it came from nowhere.
     pub(crate) folder: Option<&'a Path>,
     /// What the user knows about the file.
-    pub(crate) options: LoadOptions,
+    pub(crate) options: &'a LoadOptions,
 }
 
 /// Loads the model in the file at `path`, whose name's ending says the format.
@@ -65,15 +81,28 @@ pub fn load_bytes(
     folder: Option<&Path>,
     options: &LoadOptions,
 ) -> Result<Model, LoadError> {
-    let context = Context { stem: stem_of(name), folder, options: *options };
-    let read = match (other_format(bytes, format), format) {
+    let context = Context { stem: stem_of(name), folder, options };
+    let read = || match (other_format(bytes, format), format) {
         (Some(other), _) => Err(Problem::whole(other)),
+        (_, Format::CityJson | Format::GeoJson) => match json::kind_of(bytes) {
+            Some(kind) if kind.starts_with("CityJSON") => cityjson::read(bytes, context),
+            Some(kind) if geojson::is_kind(&kind) => geojson::read(bytes, context),
+            _ if format == Format::GeoJson => geojson::read(bytes, context),
+            _ => cityjson::read(bytes, context),
+        },
+        (_, Format::GeoTiff) => geotiff::read(bytes, context),
         (_, Format::Gltf) => gltf::read(bytes, context),
         (_, Format::Obj) => obj::read(bytes, context),
         (_, Format::Ply) => ply::read(bytes, context),
         (_, Format::Stl) => stl::read(bytes, context),
     };
-    read.map_err(|problem| LoadError::Content { file: name.to_owned(), problem })
+    let placed = read().and_then(|mut model| {
+        if !format.is_of_cities() {
+            georeference::place_mesh_file(&mut model, options)?;
+        }
+        Ok(model)
+    });
+    placed.map_err(|problem| LoadError::Content { file: name.to_owned(), problem })
 }
 
 /// Why `bytes` can't be of this `format`, if their first ones are those of something else.
@@ -125,6 +154,6 @@ mod tests {
         let drawing = folder.path().join("model.dwg");
         fs::write(&drawing, "AC1032").expect("a file in it");
         let error = load(&drawing, &options).expect_err("we don't read drawings");
-        assert!(error.to_string().ends_with("one of .glb, .gltf, .obj, .ply, .ply.gz or .stl"), "{error}");
+        assert!(error.to_string().ends_with(".city.json, .city.jsonl, .json, .geojson, .tif or .tiff"), "{error}");
     }
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use umbrae_core::Scene;
 
-use crate::{Animations, Warning};
+use crate::warnings::Warnings;
+use crate::{Animations, Crs, Warning};
 
 /// A loaded file.
 ///
@@ -17,15 +18,41 @@ pub struct Model {
     pub format: Format,
     /// The axis that the file was taken to have up: `Y` means that its (x, y, z) is the scene's (x, -z, y).
     pub up: UpAxis,
+    /// What [`Scene::origin`] plus a position of the scene is in, always projected; `None` if neither the file nor the user
+    /// says so.
+    pub crs: Option<Crs>,
+    /// What the file itself is in, if its coordinates were computed anew for `crs`.
+    pub source_crs: Option<Crs>,
     /// What was left out or changed, each kind once.
     pub warnings: Vec<Warning>,
     /// What the file says moves; `scene` is at rest until it is played.
     pub animations: Animations,
 }
 
+impl Model {
+    /// A model that says nothing of where it is, and in which nothing moves.
+    pub(crate) fn of_mesh_file(scene: Scene, format: Format, up: UpAxis, warnings: Warnings) -> Self {
+        Self {
+            scene,
+            format,
+            up,
+            crs: None,
+            source_crs: None,
+            warnings: warnings.finish(),
+            animations: Animations::default(),
+        }
+    }
+}
+
 /// A file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
+    /// CityJSON 1.0 to 2.0 (`.city.json`, `.json`), or a `CityJSONSeq` (`.city.jsonl`, `.jsonl`); z is up.
+    CityJson,
+    /// GeoJSON (`.geojson`, `.json`): footprints of buildings with their heights; z is up.
+    GeoJson,
+    /// GeoTIFF (`.tif`, `.tiff`): the heights of terrain; z is up.
+    GeoTiff,
     /// glTF 2.0, as JSON (`.gltf`) or in one binary file (`.glb`); y is up.
     Gltf,
     /// Wavefront OBJ; does not say what is up, usually y.
@@ -38,7 +65,8 @@ pub enum Format {
 
 impl Format {
     /// The endings that [`Format::of_path`] knows.
-    pub const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .ply.gz or .stl";
+    pub const ENDINGS: &str =
+        ".glb, .gltf, .obj, .ply, .ply.gz, .stl, .city.json, .city.jsonl, .json, .geojson, .tif or .tiff";
 
     /// The format that the ending of `path` stands for, upper case or lower; `None` if we read no such format.
     ///
@@ -52,6 +80,11 @@ impl Format {
     pub fn of_path(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let endings = [
+            (".json", Self::CityJson),
+            (".jsonl", Self::CityJson),
+            (".geojson", Self::GeoJson),
+            (".tif", Self::GeoTiff),
+            (".tiff", Self::GeoTiff),
             (".glb", Self::Gltf),
             (".gltf", Self::Gltf),
             (".obj", Self::Obj),
@@ -67,8 +100,13 @@ impl Format {
     pub fn usual_up(self) -> UpAxis {
         match self {
             Self::Gltf | Self::Obj | Self::Ply => UpAxis::Y,
-            Self::Stl => UpAxis::Z,
+            Self::CityJson | Self::GeoJson | Self::GeoTiff | Self::Stl => UpAxis::Z,
         }
+    }
+
+    /// Whether its files have a place on earth.
+    pub(crate) fn is_of_cities(self) -> bool {
+        matches!(self, Self::CityJson | Self::GeoJson | Self::GeoTiff)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::load::Context;
 use crate::place::{Part, scene_of_parts};
 use crate::text::{Lines, first_word, lossy, number, words};
 use crate::warnings::Warnings;
-use crate::{Animations, Format, Model};
+use crate::{Format, Model};
 
 /// Reads an STL file: one object for each solid. Normals and attribute bytes are left out: corners say it all.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
@@ -38,7 +38,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         _ => Problem::whole(format!("solid {}: {error}", quoted(&part.name))),
     };
     let scene = scene_of_parts(parts, up, Vec::new(), &mut warnings, explain)?;
-    Ok(Model { scene, format: Format::Stl, up, warnings: warnings.finish(), animations: Animations::default() })
+    Ok(Model::of_mesh_file(scene, Format::Stl, up, warnings))
 }
 
 const HEADER_BYTES: usize = 80;
@@ -174,7 +174,7 @@ mod tests {
     const FACET: [f32; 9] = [0.0, 0.0, 5.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
     fn load(bytes: &[u8], up: Option<UpAxis>) -> Result<Model, LoadError> {
-        load_bytes(bytes, Format::Stl, "cube.stl", None, &LoadOptions { up })
+        load_bytes(bytes, Format::Stl, "cube.stl", None, &LoadOptions { up, ..LoadOptions::default() })
     }
 
     fn error(bytes: &[u8]) -> String {

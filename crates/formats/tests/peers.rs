@@ -25,7 +25,7 @@ fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
 
 /// As the file has it: z up, so that nothing is turned.
 fn ours(path: &Path) -> Model {
-    load(path, &LoadOptions { up: Some(UpAxis::Z) }).unwrap_or_else(|error| panic!("{error}"))
+    load(path, &LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() }).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Corner after corner of all triangles, in the model's own coordinates.

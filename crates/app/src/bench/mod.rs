@@ -75,7 +75,7 @@ fn silhouettes(args: &SilhouettesArgs, talk: &Talk) -> anyhow::Result<()> {
 }
 
 fn casters(path: &Path, args: &SilhouettesArgs, talk: &Talk) -> anyhow::Result<Vec<Caster>> {
-    let scene = load_one(path, args.up, talk)?.scene;
+    let scene = load_one(path, &args.load.options(), talk)?.scene;
     ensure!(scene.triangle_count() > 0, "`{}` has no triangle, and so no silhouette", path.display());
     Ok(Caster::of_scene(&scene))
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::Up;
+use super::LoadArgs;
 
 /// What to measure.
 #[derive(Debug, Subcommand)]
@@ -53,9 +53,9 @@ pub struct SilhouettesArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["json", "cache"])]
     pub grow: Option<PathBuf>,
 
-    /// The axis that is up in files that do not say (default: y in OBJ and PLY, z in STL)
-    #[arg(long, value_name = "AXIS")]
-    pub up: Option<Up>,
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 }
 
 /// Of each light, what five ways find is compared.

@@ -9,6 +9,7 @@ use umbrae::sample::Sample;
 use umbrae::talk::Talk;
 use umbrae::view::{ViewChoice, add_ground, camera, ground_under};
 use umbrae_core::{Bounds, Camera, Caster, Cone, Light, LightPosition, Oracle, Scene};
+use umbrae_formats::LoadOptions;
 use umbrae_render::Look;
 
 use crate::data;
@@ -85,7 +86,7 @@ impl Source {
         let mut scene = match &self.place {
             Place::File(path) => {
                 let quiet = Talk::new(true, umbrae::cli::ColorWhen::Never);
-                umbrae::model::load_one(path, None, &quiet).unwrap().scene
+                umbrae::model::load_one(path, &LoadOptions::default(), &quiet).unwrap().scene
             }
             Place::Sample(sample) => sample.scene(),
         };

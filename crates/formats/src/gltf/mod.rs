@@ -103,7 +103,15 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     stage.move_to_origin();
     let (scene, cast, warnings) = (stage.scene, stage.cast, stage.warnings.finish());
     let rig = Rig::new(cast, document.cameras, document.extensions.punctual.lights, scene.origin);
-    Ok(Model { scene, format: Format::Gltf, up: UpAxis::Y, warnings, animations: Animations::new(rig) })
+    Ok(Model {
+        scene,
+        format: Format::Gltf,
+        up: UpAxis::Y,
+        crs: None,
+        source_crs: None,
+        warnings,
+        animations: Animations::new(rig),
+    })
 }
 
 /// Those without which shapes can't be read at all.

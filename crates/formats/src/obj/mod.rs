@@ -26,7 +26,7 @@ use crate::place::{Part, scene_of_parts};
 use crate::polygon::{Cut, Triangulator};
 use crate::text::{first_word, lossy};
 use crate::warnings::Warnings;
-use crate::{Animations, Format, Model};
+use crate::{Format, Model};
 
 use mtl::{LibraryMaterial, PictureOfMaterial};
 use statements::{Face, Obj, Statements};
@@ -73,7 +73,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     };
     let scene = scene_of_parts(parts, up, materials, &mut warnings, explain)?;
     let scene = Scene { textures, ..scene };
-    Ok(Model { scene, format: Format::Obj, up, warnings: warnings.finish(), animations: Animations::default() })
+    Ok(Model::of_mesh_file(scene, Format::Obj, up, warnings))
 }
 
 /// Cuts the faces of one group at a time.

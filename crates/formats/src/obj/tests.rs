@@ -4,7 +4,7 @@ use umbrae_core::Topology;
 use crate::{Format, LoadError, LoadOptions, Model, UpAxis, load, load_bytes};
 
 fn read(text: &str) -> Result<Model, LoadError> {
-    let options = LoadOptions { up: Some(UpAxis::Z) };
+    let options = LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() };
     load_bytes(text.as_bytes(), Format::Obj, "model.obj", None, &options)
 }
 
@@ -192,7 +192,7 @@ fn textures_are_read_beside_the_library_and_v_points_up() {
     // A concave polygon: the two coordinates are a quarter of the position's.
     let text = "mtllib look/its.mtl\nv 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nvt 0 0\nvt 1 0\nvt 0.25 0.25\nvt 0 1\n\
         usemtl brick\nf 1/1 2/2 3/3 4/4\nusemtl wood\nf 1/-4/1 2//1 3\nusemtl wall\nf 1 2 3\n";
-    let options = LoadOptions { up: Some(UpAxis::Z) };
+    let options = LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() };
     let model = load_bytes(text.as_bytes(), Format::Obj, "wall.obj", Some(folder.path()), &options).expect("good");
     let [texture] = model.scene.textures.as_slice() else { panic!("one texture: {:?}", model.scene.textures) };
     assert_eq!((texture.name.as_str(), texture.size_px), ("brick.png", [4, 2]));

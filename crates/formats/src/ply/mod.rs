@@ -23,7 +23,7 @@ use crate::place::{Part, linear_from_srgb, scene_of_parts};
 use crate::polygon::{Cut, Triangulator};
 use crate::text::Lines;
 use crate::warnings::Warnings;
-use crate::{Animations, Format, Model};
+use crate::{Format, Model};
 
 use header::{Element, Header, Kind, Type};
 use rows::Rows;
@@ -80,7 +80,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         _ => Problem::whole(error.to_string()),
     };
     let scene = scene_of_parts(vec![part], up, Vec::new(), &mut warnings, explain)?;
-    Ok(Model { scene, format: Format::Ply, up, warnings: warnings.finish(), animations: Animations::default() })
+    Ok(Model::of_mesh_file(scene, Format::Ply, up, warnings))
 }
 
 /// A model shrinks to a tenth or a twentieth of its size; more than this, and the file was made to fill the memory.

@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::{Format, LoadError, LoadOptions, Model, UpAxis, load_bytes};
 
 fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-    load_bytes(bytes, Format::Ply, "model.ply.gz", None, &LoadOptions { up: Some(UpAxis::Z) })
+    load_bytes(bytes, Format::Ply, "model.ply.gz", None, &LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() })
 }
 
 fn model(bytes: &[u8]) -> Model {

@@ -11,7 +11,7 @@ use crate::{Format, LoadOptions, UpAxis, load_bytes};
 #[test]
 fn y_up_becomes_z_up_and_an_up_axis_of_the_users_is_ignored_aloud() {
     let builder = one_triangle();
-    let options = LoadOptions { up: Some(UpAxis::Z) };
+    let options = LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() };
     let model = load_bytes(&builder.text(), Format::Gltf, "model.gltf", None, &options).expect("a good file");
     assert_near(&world(&model, 0), &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
     assert_eq!((model.up, model.scene.objects[0].name.as_str()), (UpAxis::Y, "tri"));
