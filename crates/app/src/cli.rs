@@ -4,6 +4,9 @@ mod bench;
 mod light;
 mod load;
 mod shadow;
+mod study;
+mod sun;
+mod when;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -25,6 +28,9 @@ pub use self::bench::{BenchCommand, SilhouettesArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::study::{On, StudyArgs};
+pub use self::sun::SunArgs;
+pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
 /// Exact shadows of real models
 ///
@@ -77,8 +83,12 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a model is made of and how it will cast; needs no graphics driver
     Inspect(InspectArgs),
+    /// Find where the sun reaches over a period: hours, shadow profiles, verdicts; needs no graphics driver
+    Study(Box<StudyArgs>),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
+    /// Tell where the sun is on a day, and draw its path; needs no model
+    Sun(SunArgs),
     /// Measure on models of one's own how fast the parts of this program are
     Bench {
         /// What to measure

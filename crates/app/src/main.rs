@@ -6,13 +6,16 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use umbrae::cli::{Cli, Command, explain};
+use umbrae::study::Ending;
 use umbrae::talk::Talk;
-use umbrae::{bench, doctor, inspect, render, sample};
+use umbrae::{bench, doctor, inspect, render, sample, study};
+use umbrae::{bench, doctor, inspect, render, sample, sun};
 
-/// The exit codes: all well; a verification found errors; the input or the machine is at fault.
+/// The exit codes: all well; a verification found errors; the input or the machine is at fault; stopped by Ctrl-C, as shells have it.
 const OK: u8 = 0;
 const FOUND_ERRORS: u8 = 1;
 const BAD_INPUT: u8 = 2;
+const STOPPED: u8 = 130;
 
 fn main() -> ExitCode {
     silence_device_select();
@@ -23,8 +26,14 @@ fn main() -> ExitCode {
     let talk = Talk::new(cli.quiet, cli.color);
     let result = match &cli.command {
         Command::Render(args) => render::run(args, &talk).map(|is_right| if is_right { OK } else { FOUND_ERRORS }),
+        Command::Study(args) => study::run(args, &talk).map(|ending| match ending {
+            Ending::Whole => OK,
+            Ending::Disagreed => FOUND_ERRORS,
+            Ending::Stopped => STOPPED,
+        }),
         Command::Inspect(args) => inspect::run(args, &talk).map(|()| OK),
         Command::Sample(args) => sample::run(args, &talk).map(|()| OK),
+        Command::Sun(args) => sun::run(args, &talk).map(|()| OK),
         Command::Bench { what } => bench::run(what, &talk).map(|()| OK),
         Command::Doctor => doctor::run().map(|()| OK),
         Command::Completions { shell } => umbrae::cli::write_completions(*shell).map(|()| OK),

@@ -13,15 +13,43 @@
 //! time and stands for its middle; durations are seconds of UTC.
 
 mod blockers;
+mod check;
+mod clock;
+mod dates;
+mod events;
 mod exposure;
 mod hours;
+mod julian;
+mod local_time;
+mod outline;
+mod packets;
+mod period;
+mod place;
+mod profile;
 mod receivers;
+pub mod rules;
 mod sun;
+mod sun_path;
+mod time_error;
 mod timetable;
+mod zone;
 
 pub use blockers::Blockers;
-pub use exposure::{Exposure, PACKET, Packets};
+pub use check::Check;
+pub use clock::{Clock, ClockKind, LocalDay, equation_of_time_s};
+pub use dates::{parse_date, parse_dates};
+pub use events::{DayKind, HORIZON_DEG, SunDay, equinoxes_and_solstices, spans_of_sun};
+pub use exposure::Exposure;
 pub use hours::{Interval, SunHours};
-pub use receivers::{Group, GroupKind, Receivers};
-pub use sun::Sun;
+pub use local_time::LocalTime;
+pub use outline::{Outline, Polygon, Projection};
+pub use packets::{PACKET, Packets};
+pub use period::{DayWindow, Edge, Period, parse_step};
+pub use place::Place;
+pub use profile::{Moment, Profile};
+pub use receivers::{GroundGrid, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
+pub use sun::{Refraction, Sun, SunOptions};
+pub use sun_path::SunPath;
+pub use time_error::TimeError;
 pub use timetable::{Step, Timetable};
+pub use zone::Zone;

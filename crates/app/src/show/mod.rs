@@ -4,16 +4,16 @@
 //! legends are drawn on the finished picture.
 
 mod bounds;
-mod canvas;
+pub(crate) mod canvas;
 mod cases;
 mod edges;
 mod heat;
 mod layout;
 mod legend;
 mod marks;
-mod numbers;
+pub(crate) mod numbers;
 mod outlines;
-mod text;
+pub(crate) mod text;
 mod volumes;
 
 use anyhow::bail;

@@ -1,0 +1,120 @@
+//! What a study of sun and shadow is asked.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::LoadArgs;
+use crate::parse::metres;
+
+/// What receivers stand on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum On {
+    /// A grid on the ground: on terrain where the model has some, else level with its lowest point
+    Ground,
+    /// Points on roofs
+    Roof,
+    /// Points on walls
+    Wall,
+}
+
+impl On {
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ground => "ground",
+            Self::Roof => "roof",
+            Self::Wall => "wall",
+        }
+    }
+}
+
+/// Find where the sun reaches over a period: hours, shadow profiles, verdicts; needs no graphics driver
+///
+/// Without options beside the place and the date: a grid on the ground, fine enough for about a hundred thousand points, from sunrise to sunset,
+/// every 15 minutes. A step stands for its middle. Everything goes into one folder; `report.html` in it tells what the rest is. Hours are of a clear
+/// sky: where the sun would reach if there were no clouds.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// Models that are there before and after: see `umbrae inspect --help` for formats
+    #[arg(required_unless_present_any = ["existing", "proposed"], value_name = "MODEL")]
+    pub models: Vec<PathBuf>,
+
+    /// Folder to write to; made if it is not there
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+
+    /// A model of what is there before and goes; may be repeated. Results are then given before, after and as their difference
+    #[arg(long, value_name = "MODEL", help_heading = "Before and after")]
+    pub existing: Vec<PathBuf>,
+
+    /// A model of what is there after; may be repeated
+    #[arg(long, value_name = "MODEL", help_heading = "Before and after")]
+    pub proposed: Vec<PathBuf>,
+
+    /// What receivers stand on; with --points, the default is nothing else
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', help_heading = "Receivers")]
+    pub on: Vec<On>,
+
+    /// From one receiver to the next (default: such that there are about a hundred thousand)
+    #[arg(long, value_name = "METRES", value_parser = metres, allow_hyphen_values = true, help_heading = "Receivers")]
+    pub spacing: Option<f64>,
+
+    /// Receivers from a CSV file with a header: x,y,z and perhaps nx,ny,nz (the side that they are open to) and id, in the model's coordinates
+    #[arg(long, value_name = "FILE", help_heading = "Receivers")]
+    pub points: Option<PathBuf>,
+
+    /// Colour the shadow profile by the objects that cast
+    #[arg(long, help_heading = "Results")]
+    pub by_object: bool,
+
+    /// Decide so many pairs of receivers and steps once more, one by one, by rays in double precision, and tell in how many that differs
+    #[arg(long, value_name = "COUNT", default_value_t = 1000, help_heading = "Results")]
+    pub check: usize,
+
+    /// Continue a study that was stopped, if models and options are as they were
+    #[arg(long, help_heading = "Machine")]
+    pub resume: bool,
+
+    /// Threads to compute on (default: one for each core); results do not depend on it
+    #[arg(long, value_name = "COUNT", help_heading = "Machine")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Where and when.
+    #[command(flatten)]
+    pub when: WhenArgs,
+
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+}
+
+/// Stand-in.
+#[derive(Debug, Args)]
+pub struct WhenArgs {
+    /// Latitude
+    #[arg(long, allow_hyphen_values = true)]
+    pub lat: Option<f64>,
+    /// Longitude
+    #[arg(long, allow_hyphen_values = true)]
+    pub lon: Option<f64>,
+    /// IANA zone
+    #[arg(long)]
+    pub tz: Option<String>,
+    /// Date
+    #[arg(long = "date")]
+    pub dates: Vec<String>,
+    /// From
+    #[arg(long)]
+    pub from: Option<String>,
+    /// To
+    #[arg(long)]
+    pub to: Option<String>,
+    /// Step
+    #[arg(long, default_value = "15min")]
+    pub step: String,
+    /// True north
+    #[arg(long, allow_hyphen_values = true)]
+    pub north: Option<f64>,
+}

@@ -1,0 +1,103 @@
+//! A folder of results: all of them get their names at the end, or none does.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, anyhow, ensure};
+use tempfile::NamedTempFile;
+
+/// The folder that is asked for, made sure of before any work.
+#[derive(Debug)]
+pub(crate) struct Folder {
+    path: PathBuf,
+    /// Files under names of their own, with the names that they will have.
+    staged: Vec<(NamedTempFile, String)>,
+}
+
+impl Folder {
+    /// Makes sure that `path` is a folder that can be written, or can be made.
+    ///
+    /// # Errors
+    ///
+    /// When it is a file, or it or the folder that it is to be in can't be written.
+    pub(super) fn make_sure(path: &Path) -> anyhow::Result<Self> {
+        let cant = || format!("can't write to `{}`", path.display());
+        let there = fs::metadata(path).ok();
+        ensure!(
+            there.as_ref().is_none_or(fs::Metadata::is_dir),
+            "can't write to `{}`: it is a file; give a folder",
+            path.display()
+        );
+        let nearest = if there.is_some() { path } else { nearest_folder(path).with_context(cant)? };
+        tempfile::tempfile_in(nearest)
+            .map_err(|error| anyhow!("the folder `{}` can't be written: {error}", nearest.display()))
+            .with_context(cant)?;
+        Ok(Self { path: path.to_owned(), staged: Vec::new() })
+    }
+
+    /// Makes it, if it is not there.
+    pub(super) fn create(&self) -> anyhow::Result<()> {
+        fs::create_dir_all(&self.path).with_context(|| format!("can't make the folder `{}`", self.path.display()))
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The names of the files that are staged, in order.
+    pub(crate) fn names(&self) -> Vec<&str> {
+        self.staged.iter().map(|(_, name)| name.as_str()).collect()
+    }
+
+    /// Writes a file that will be called `name`.
+    ///
+    /// # Errors
+    ///
+    /// When the disk is full or the folder has gone; then nothing is left.
+    pub(crate) fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let staged = || -> anyhow::Result<NamedTempFile> {
+            let mut builder = tempfile::Builder::new();
+            builder.prefix(".umbrae-").suffix(".part");
+            // A temporary file is private; a finished one is as the user's other files are.
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+            let file = builder.tempfile_in(&self.path)?;
+            let mut writer = BufWriter::new(file.as_file().try_clone()?);
+            write(&mut writer)?;
+            writer.flush()?;
+            Ok(file)
+        };
+        let staged = staged().with_context(|| format!("can't write `{}`", self.path.join(name).display()))?;
+        self.staged.push((staged, name.to_owned()));
+        Ok(())
+    }
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    ///
+    /// When a name can't be given, as when there is a folder of that name.
+    pub(super) fn publish(self) -> anyhow::Result<()> {
+        for (file, name) in self.staged {
+            let target = self.path.join(name);
+            file.persist(&target)
+                .map_err(|e| e.error)
+                .with_context(|| format!("can't write `{}`", target.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The nearest folder above `path` that is there.
+fn nearest_folder(path: &Path) -> anyhow::Result<&Path> {
+    let mut above =
+        path.ancestors().skip(1).map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
+    let nearest = above.find(|above| above.exists()).context("there is no folder above it")?;
+    ensure!(nearest.is_dir(), "`{}` is a file", nearest.display());
+    Ok(nearest)
+}

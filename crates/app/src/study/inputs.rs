@@ -1,0 +1,85 @@
+//! What a study is made of, by hashes: files for those who want to do it again, and all that the engine is given for resuming.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use bytemuck::cast_slice;
+use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
+
+use super::results::{Input, Results};
+use crate::cli::StudyArgs;
+
+/// Bytes that are read at once.
+const CHUNK_BYTES: usize = 1 << 16;
+
+/// Every file that `args` name, with its hash.
+///
+/// # Errors
+///
+/// When one can't be read.
+pub(super) fn inputs(args: &StudyArgs) -> anyhow::Result<Vec<Input>> {
+    let models = args.models.iter().map(|path| (path, "model"));
+    let existing = args.existing.iter().map(|path| (path, "existing"));
+    let proposed = args.proposed.iter().map(|path| (path, "proposed"));
+    let points = args.points.iter().map(|path| (path, "points"));
+    models.chain(existing).chain(proposed).chain(points).map(|(path, role)| input(path, role)).collect()
+}
+
+fn input(path: &Path, role: &'static str) -> anyhow::Result<Input> {
+    let cant = || format!("can't read `{}`", path.display());
+    let mut file = File::open(path).with_context(cant)?;
+    let (mut hasher, mut bytes) = (Sha256::new(), 0);
+    let mut chunk = vec![0; CHUNK_BYTES];
+    loop {
+        let count = file.read(&mut chunk).with_context(cant)?;
+        if count == 0 {
+            break;
+        }
+        hasher.update(&chunk[..count]);
+        bytes += count as u64;
+    }
+    Ok(Input { path: path.to_owned(), role, bytes, sha256: hex(&hasher.finalize()) })
+}
+
+/// What was asked, as it is reported.
+pub(super) fn options(args: &StudyArgs) -> Value {
+    json!({
+        "spacing": args.spacing,
+        "on": args.on.iter().map(|on| on.name()).collect::<Vec<_>>(),
+        "check": args.check,
+        "by_object": args.by_object,
+        "threads": args.threads,
+        "resume": args.resume,
+    })
+}
+
+/// Stands for everything that rows and sums depend on: what casts, who receives, when.
+pub(super) fn key(results: &Results, inside: &[Vec<bool>]) -> String {
+    let mut hasher = Sha256::new();
+    hasher.update(env!("CARGO_PKG_VERSION"));
+    for (caster, when) in results.models.casters.iter().zip(&results.models.when) {
+        hasher.update([*when as u8, u8::from(caster.role.casts)]);
+        hasher.update(cast_slice(&caster.positions));
+        hasher.update(cast_slice(caster.mesh.triangles()));
+    }
+    for step in &results.timetable.steps {
+        let time = [step.start, step.end].map(jiff::Timestamp::as_nanosecond);
+        hasher.update(cast_slice(&time));
+    }
+    for sun in &results.suns {
+        hasher.update(cast_slice(&sun.unwrap_or_default().to_array()));
+    }
+    hasher.update(cast_slice(&results.receivers.positions));
+    hasher.update(cast_slice(&results.receivers.normals));
+    for inside in inside {
+        hasher.update(cast_slice(&inside.iter().map(|&inside| u8::from(inside)).collect::<Vec<_>>()));
+    }
+    hex(&hasher.finalize())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,139 @@
+//! Everything that a study's files are written from.
+
+use std::fs::File;
+use std::path::PathBuf;
+
+use glam::DVec3;
+use umbrae_study::{GroundGrid, Receivers, Timetable};
+
+use super::frame::Frame;
+use super::receivers::ground;
+use super::rows::RowShape;
+use super::scene::Models;
+use super::site::{Site, days_text, hours_text, offsets};
+use super::sums::Sum;
+
+/// A study that is computed, whole or in part.
+#[derive(Debug)]
+pub(crate) struct Results {
+    /// The models' names.
+    pub(crate) subject: String,
+    pub(crate) site: Site,
+    pub(crate) frame: Frame,
+    pub(crate) models: Models,
+    pub(crate) timetable: Timetable,
+    /// For each step the direction to the sun, scene space; `None` where it does not count.
+    pub(crate) suns: Vec<Option<DVec3>>,
+    pub(crate) receivers: Receivers,
+    /// One, or two: before and after.
+    pub(crate) states: Vec<State>,
+    /// The second look at a sample, if it was asked for.
+    pub(crate) check: Option<Check>,
+    /// Whether it was stopped before its end.
+    pub(crate) is_partial: bool,
+    pub(crate) timings: Timings,
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) options: serde_json::Value,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// What was found for one situation.
+#[derive(Debug)]
+pub(crate) struct State {
+    /// "", "before" or "after".
+    pub(crate) name: &'static str,
+    /// Which objects of the models are there.
+    pub(crate) objects: Vec<usize>,
+    /// For each receiver.
+    pub(crate) is_inside: Vec<bool>,
+    /// For each receiver; `None` inside of solids, and where the study was stopped before.
+    pub(crate) sums: Vec<Option<Sum>>,
+    /// For each receiver a row of bits.
+    pub(crate) rows: File,
+}
+
+/// A file that was read.
+#[derive(Debug, Clone, serde::Serialize)]
+pub(crate) struct Input {
+    pub(crate) path: PathBuf,
+    pub(crate) role: &'static str,
+    pub(crate) bytes: u64,
+    pub(crate) sha256: String,
+}
+
+/// A sample of verdicts, found once more by rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub(crate) struct Check {
+    /// How many receivers were looked at, at every step.
+    pub(crate) receivers: usize,
+    /// How many verdicts that makes.
+    pub(crate) verdicts: u64,
+    /// Verdicts that differ although nothing is within a millimetre of the ray.
+    pub(crate) disagreements: u64,
+    /// Verdicts that are left out because an edge is within a millimetre.
+    pub(crate) undecided: u64,
+}
+
+/// Seconds by the clock.
+#[derive(Debug, Clone, Copy, Default, serde::Serialize)]
+pub(crate) struct Timings {
+    pub(crate) load_s: f64,
+    pub(crate) prepare_s: f64,
+    pub(crate) engine_s: f64,
+    pub(crate) check_s: f64,
+    pub(crate) write_s: f64,
+    pub(crate) total_s: f64,
+}
+
+impl Results {
+    /// The state that results are about first: the only one, or the one after.
+    pub(crate) fn last(&self) -> Option<&State> {
+        self.states.last()
+    }
+
+    /// The grid on the ground, if there is one.
+    pub(crate) fn ground(&self) -> Option<(GroundGrid, std::ops::Range<usize>)> {
+        ground(&self.receivers)
+    }
+
+    pub(crate) fn row_shape(&self) -> RowShape {
+        RowShape { step_count: self.suns.len() }
+    }
+
+    /// Steps at which the sun counts.
+    pub(crate) fn day_steps(&self) -> usize {
+        self.suns.iter().flatten().count()
+    }
+
+    /// The time in which there can be sun, in hours.
+    pub(crate) fn possible_hours(&self) -> f64 {
+        let steps = self.timetable.steps.iter().zip(&self.suns);
+        steps.filter(|(_, sun)| sun.is_some()).map(|(step, _)| step.duration_s()).sum::<f64>() / 3600.0
+    }
+
+    /// `18 September 2026, 09:00 to 17:00, Europe/Vienna (UTC+02:00)`.
+    pub(crate) fn period_text(&self) -> String {
+        let offsets = offsets(&self.timetable).join(" and ");
+        let (days, hours) = (days_text(&self.timetable), hours_text(&self.timetable));
+        format!("{days}, {hours}, {} (UTC{offsets})", self.site.clock)
+    }
+
+    /// The largest error bound of any receiver, in seconds, and the mean of all.
+    pub(crate) fn error_bounds_s(&self) -> [f64; 2] {
+        let errors = || self.states.iter().flat_map(|state| &state.sums).flatten().map(|sum| f64::from(sum.error_s));
+        let count = errors().count().max(1);
+        [errors().fold(0.0, f64::max), errors().sum::<f64>() / count as f64]
+    }
+}
+
+impl State {
+    /// `hours.tif`, or `hours_before.tif`.
+    pub(crate) fn file_name(&self, stem: &str, ending: &str) -> String {
+        if self.name.is_empty() { format!("{stem}.{ending}") } else { format!("{stem}_{}.{ending}", self.name) }
+    }
+
+    /// Hours of sun of a receiver; `None` inside of solids, and where the study was stopped before.
+    pub(crate) fn hours(&self, receiver: usize) -> Option<f64> {
+        self.sums[receiver].map(|sum| sum.hours())
+    }
+}

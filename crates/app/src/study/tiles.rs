@@ -1,0 +1,194 @@
+//! A study block by block, so that memory is bounded and what is finished is kept.
+//!
+//! ```text
+//!    packets   |0 1 2 3|4 5 6 7|8 9 …|        a block at a time through the engine,
+//!                  |                          its rows and sums into files at their receivers' places,
+//!                  v                          and then, when they are safely there,
+//!    DIR/.umbrae/  rows  sums  journal        a line into the journal
+//! ```
+//!
+//! Rows and sums don't depend on the order of blocks nor on the number of threads, so a study that was killed and is resumed
+//! ends with the same bytes as one that ran through.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use anyhow::{Context as _, ensure};
+use glam::DVec3;
+use rayon::prelude::*;
+use umbrae_study::{Blockers, Packets, Receivers, Step, SunHours};
+use web_time::Instant;
+
+use super::rows::{RowShape, bit, for_each_row, rows_of, write_rows};
+use super::sums::{SUM_BYTES, Sum};
+
+/// A block's words and its rows have this much memory together…
+const BLOCK_BYTES: usize = 64 << 20;
+/// …and there are so many blocks at the least, for a study may be stopped at any moment and keeps blocks that are finished.
+const LEAST_BLOCKS: usize = 64;
+/// Fewer packets are not worth a line in the journal.
+const LEAST_PACKETS: usize = 16;
+
+/// One state of the model, to be computed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Job<'a> {
+    /// Which state: 0, and 1 where there are two.
+    pub(super) state: usize,
+    pub(super) blockers: &'a Blockers,
+    pub(super) receivers: &'a Receivers,
+    pub(super) packets: &'a Packets,
+    pub(super) steps: &'a [Step],
+    /// For each step the direction to the sun, scene space; `None` where it does not count.
+    pub(super) suns: &'a [Option<DVec3>],
+}
+
+/// What has come of a [`Job`].
+#[derive(Debug)]
+pub(crate) struct Computed {
+    /// For each receiver; `None` inside of solids, and where the study was stopped before.
+    pub(crate) sums: Vec<Option<Sum>>,
+    /// For each receiver a row of bits; zeros where there is no sum.
+    pub(crate) rows: File,
+    /// Whether every packet was computed.
+    pub(crate) is_whole: bool,
+    /// What the engine took in this run.
+    pub(crate) engine_s: f64,
+}
+
+/// The folder in which a study is kept while it is computed.
+#[derive(Debug)]
+pub(super) struct Workshop {
+    folder: PathBuf,
+    journal: File,
+    /// State and first packet of the blocks that are finished.
+    done: BTreeSet<(usize, usize)>,
+}
+
+impl Workshop {
+    /// Opens the folder for a study that `key` stands for in `output`, which is there; continues what is in it `if_there`.
+    ///
+    /// # Errors
+    ///
+    /// When it can't be written, or has another study that was to be resumed.
+    pub(super) fn open(output: &Path, key: &str, if_there: bool) -> anyhow::Result<Self> {
+        let folder = output.join(".umbrae");
+        let key_file = folder.join("key");
+        let cant = || format!("can't write to `{}`", folder.display());
+        let is_resumed = if_there && key_file.is_file();
+        if is_resumed {
+            let old = fs::read_to_string(&key_file).with_context(|| format!("can't read `{}`", key_file.display()))?;
+            ensure!(
+                old == key,
+                "can't resume the study in `{}`: models or options have changed since; run it without --resume to start anew",
+                output.display()
+            );
+        } else {
+            if folder.is_dir() {
+                fs::remove_dir_all(&folder).with_context(cant)?;
+            }
+            fs::create_dir(&folder).with_context(cant)?;
+            fs::write(&key_file, key).with_context(cant)?;
+        }
+        let journal_path = folder.join("journal");
+        let text = if is_resumed { fs::read_to_string(&journal_path).unwrap_or_default() } else { String::new() };
+        // The last line may be cut off: then its block is done again.
+        let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+        let done = whole.lines().filter_map(|line| {
+            let (state, packet) = line.split_once(' ')?;
+            Some((state.parse().ok()?, packet.parse().ok()?))
+        });
+        let done = done.collect();
+        fs::write(&journal_path, whole).with_context(cant)?;
+        let journal = OpenOptions::new().append(true).open(&journal_path).with_context(cant)?;
+        Ok(Self { folder, journal, done })
+    }
+
+    /// Whether some of the study was there already.
+    pub(super) fn has_finished_blocks(&self) -> bool {
+        !self.done.is_empty()
+    }
+
+    /// Removes the folder: nothing is left to continue.
+    pub(super) fn remove(self) -> anyhow::Result<()> {
+        fs::remove_dir_all(&self.folder).with_context(|| format!("can't remove `{}`", self.folder.display()))
+    }
+
+    /// Computes what is not there yet of `job`, until `stop` is set. `packets_done` is called with how many packets more are finished, from
+    /// any thread.
+    ///
+    /// # Errors
+    ///
+    /// When the folder can't be written.
+    pub(super) fn compute(
+        &mut self,
+        job: Job<'_>,
+        stop: &AtomicBool,
+        packets_done: impl Fn(u64) + Sync,
+    ) -> anyhow::Result<Computed> {
+        let shape = RowShape { step_count: job.suns.len() };
+        let mut rows = self.file("rows", job.state, job.receivers.len() * shape.stride())?;
+        let mut sums = self.file("sums", job.state, job.receivers.len() * SUM_BYTES)?;
+        let (mut engine_s, mut is_whole) = (0.0, true);
+        let block = block_packets(job.packets.len(), shape);
+        for first in (0..job.packets.len()).step_by(block) {
+            let range = first..job.packets.len().min(first + block);
+            if self.done.contains(&(job.state, first)) {
+                packets_done(range.len() as u64);
+                continue;
+            }
+            let start = Instant::now();
+            let exposure = job.blockers.expose(job.receivers, job.packets, range, job.suns, stop, || packets_done(1));
+            engine_s += start.elapsed().as_secs_f64();
+            let Some(exposure) = exposure else {
+                is_whole = false;
+                break;
+            };
+            let undecided_of = |receiver: usize| {
+                let before = exposure.undecided.partition_point(|&(r, _)| (r as usize) < receiver);
+                exposure.undecided[before..].iter().take_while(|&&(r, _)| r as usize == receiver).count() as u32
+            };
+            let block_rows = rows_of(&exposure, job.packets);
+            let block_sums: Vec<(usize, [u8; SUM_BYTES])> = block_rows
+                .par_iter()
+                .map(|(receiver, row)| {
+                    let hours = SunHours::of_steps(job.steps, |step| bit(row, step));
+                    (*receiver, Sum::new(&hours, undecided_of(*receiver)).to_bytes())
+                })
+                .collect();
+            let written = write_rows(&mut rows, &block_rows)
+                .and_then(|()| write_rows(&mut sums, &block_sums))
+                .and_then(|()| rows.sync_data())
+                .and_then(|()| sums.sync_data())
+                .and_then(|()| writeln!(self.journal, "{} {first}", job.state));
+            written.with_context(|| format!("can't write to `{}`", self.folder.display()))?;
+        }
+        let mut all = Vec::with_capacity(job.receivers.len());
+        for_each_row(&sums, job.receivers.len(), SUM_BYTES, |_, bytes| {
+            all.push(Sum::from_bytes(bytes));
+            Ok(())
+        })?;
+        Ok(Computed { sums: all, rows, is_whole, engine_s })
+    }
+
+    /// A file of so many bytes: zeros, where nothing was written yet.
+    fn file(&self, name: &str, state: usize, bytes: usize) -> anyhow::Result<File> {
+        let path = self.folder.join(format!("{name}-{state}"));
+        let open = || -> std::io::Result<File> {
+            let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path)?;
+            file.set_len(bytes as u64)?;
+            Ok(file)
+        };
+        open().with_context(|| format!("can't write `{}`", path.display()))
+    }
+}
+
+/// How many packets a block has; the same on every machine, as blocks are what is resumed.
+fn block_packets(packet_count: usize, shape: RowShape) -> usize {
+    // Eight bytes for each step of a packet, and as much again as rows.
+    let in_memory = BLOCK_BYTES / (2 * 8 * shape.step_count.max(1));
+    let for_stopping = packet_count.div_ceil(LEAST_BLOCKS).max(LEAST_PACKETS);
+    in_memory.min(for_stopping).max(1)
+}

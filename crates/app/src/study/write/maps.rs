@@ -1,0 +1,272 @@
+//! Plans of the ground: hours of sun, the shadow profile, and before, after and their difference.
+
+use std::io::Write as _;
+
+use image::ExtendedColorType::Rgba8;
+
+use super::footprints::{Footprint, footprints};
+use super::legend::{Item, ticks};
+use super::sheet::{Map, Picture, Sheet, line};
+use crate::output::png;
+use crate::show::canvas::{Area, Canvas, Rgb};
+use crate::show::numbers::grouped;
+use crate::study::folder::Folder;
+use crate::study::results::{Results, State};
+use crate::study::scene::When;
+
+/// Inside of solids, where no one stands.
+const SOLID: Rgb = [206, 204, 200];
+/// What a study that was stopped has not come to.
+const MISSING: Rgb = [244, 214, 224];
+const BUILT: Rgb = [60, 62, 66];
+const GOES: Rgb = [120, 120, 120];
+const COMES: Rgb = [176, 0, 32];
+
+const COLORS: usize = 256;
+const LINE_WIDTH_PX: f64 = 2.0;
+
+/// A picture with its name.
+pub(super) struct NamedMap {
+    pub(super) name: String,
+    pub(super) title: String,
+    pub(super) picture: Picture,
+}
+
+/// Draws all plans, and writes them; nothing where the ground was not studied.
+pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<Vec<NamedMap>> {
+    let Some((grid, _)) = results.ground() else { return Ok(Vec::new()) };
+    let plan = Plan { results, map: Map::usual(grid), footprints: footprints(results) };
+    let mut maps = Vec::new();
+    for state in &results.states {
+        maps.push(plan.hours(state));
+        maps.push(plan.profile(state));
+    }
+    if let [before, after] = results.states.as_slice() {
+        maps.push(plan.difference(before, after));
+    }
+    for map in &maps {
+        let bytes = png(&map.picture.rgba, map.picture.size_px, Rgba8)?;
+        folder.write(&map.name, |file| Ok(file.write_all(&bytes)?))?;
+    }
+    Ok(maps)
+}
+
+/// What all plans of a study share.
+struct Plan<'a> {
+    results: &'a Results,
+    map: Map,
+    footprints: Vec<Footprint>,
+}
+
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pixel {
+    /// The mean of its cells.
+    Value(f64),
+    Solid,
+    Missing,
+}
+
+impl Plan<'_> {
+    fn hours(&self, state: &State) -> NamedMap {
+        let possible = self.results.possible_hours();
+        let colors = scale(|t| colorous::VIRIDIS.eval_continuous(t).as_array());
+        let color = |pixel| match pixel {
+            Pixel::Value(hours) => at(&colors, hours / possible),
+            other => plain(other),
+        };
+        let mut legend = vec![
+            Item::Heading(format!("Hours of sun, of {possible:.2} h")),
+            Item::Scale(colors.clone(), ticks(possible)),
+            Item::Gap,
+        ];
+        legend.extend(self.plain_items());
+        let title = format!("Hours of sun on the ground{}", when_text(state));
+        let value = |cell| state.hours(cell);
+        self.named(state.file_name("hours", "png"), title, legend, state, value, color)
+    }
+
+    fn profile(&self, state: &State) -> NamedMap {
+        let possible = self.results.possible_hours();
+        let colors = scale(|t| colorous::BLUES.eval_continuous(0.02 + 0.98 * t).as_array());
+        let never: Rgb = [255, 252, 240];
+        let color = |pixel| match pixel {
+            Pixel::Value(share) if share <= 0.0 => never,
+            Pixel::Value(share) => at(&colors, share),
+            other => plain(other),
+        };
+        let percent = |t: f64| (t, format!("{:.0} %", 100.0 * t));
+        let mut legend = vec![
+            Item::Heading("Shadow profile: share of the time in shadow".to_owned()),
+            Item::Scale(colors.clone(), [0.0, 0.25, 0.5, 0.75, 1.0].map(percent).to_vec()),
+            Item::Gap,
+            Item::Area(never, "never in shadow".to_owned()),
+        ];
+        legend.extend(self.plain_items());
+        let title = format!("Shadow profile{}", when_text(state));
+        let value = |cell| state.hours(cell).map(|hours| (1.0 - hours / possible.max(1e-9)).max(0.0));
+        self.named(state.file_name("profile", "png"), title, legend, state, value, color)
+    }
+
+    fn difference(&self, before: &State, after: &State) -> NamedMap {
+        let difference = |cell| before.hours(cell).zip(after.hours(cell)).map(|(before, after)| after - before);
+        let cells = self.map.grid.len();
+        let most = (0..cells).filter_map(difference).map(f64::abs).fold(0.0, f64::max).max(1e-6);
+        let colors = scale(|t| colorous::PURPLE_ORANGE.eval_continuous(t).as_array());
+        let same: Rgb = [255, 255, 255];
+        let color = |pixel| match pixel {
+            Pixel::Value(0.0) => same,
+            Pixel::Value(hours) => at(&colors, 0.5 + 0.5 * hours / most),
+            other => plain(other),
+        };
+        let tick = |t: f64| (t, format!("{:+.1}", (2.0 * t - 1.0) * most));
+        let mut legend = vec![
+            Item::Heading("Hours of sun, after less before".to_owned()),
+            Item::Scale(colors.clone(), [0.0, 0.25, 0.5, 0.75, 1.0].map(tick).to_vec()),
+            Item::Text("purple: less sun than before (net new shadow)".to_owned()),
+            Item::Text("orange: more sun than before".to_owned()),
+            Item::Gap,
+            Item::Area(same, "no change".to_owned()),
+        ];
+        legend.extend(self.plain_items());
+        self.named(
+            "difference.png".to_owned(),
+            "Change of the hours of sun".to_owned(),
+            legend,
+            after,
+            difference,
+            color,
+        )
+    }
+
+    fn named(
+        &self,
+        name: String,
+        title: String,
+        legend: Vec<Item>,
+        state: &State,
+        value: impl Fn(usize) -> Option<f64>,
+        color: impl Fn(Pixel) -> Rgb,
+    ) -> NamedMap {
+        let sheet = Sheet {
+            title: title.clone(),
+            lines: heading_lines(self.results),
+            legend,
+            notes: notes(self.results),
+            north_deg: self.results.site.north_deg,
+        };
+        let pixel = |cells: &mut dyn Iterator<Item = usize>| color(mean(cells, state, &value));
+        let picture = sheet.draw(&self.map, pixel, |canvas, area| self.draw_built(canvas, area, state));
+        NamedMap { name, title, picture }
+    }
+
+    /// The outlines of what is there; of what comes and goes in colours of their own.
+    fn draw_built(&self, canvas: &mut Canvas<'_>, area: Area, state: &State) {
+        let is_difference = !state.name.is_empty();
+        for footprint in &self.footprints {
+            let color = match (footprint.when, state.name) {
+                (When::Always, _) => BUILT,
+                (When::Before, "before") if is_difference => COMES,
+                (When::Before, _) => GOES,
+                (When::After, "before") => continue,
+                (When::After, _) => COMES,
+            };
+            for edge in footprint.edges() {
+                line(canvas, area, edge.map(|p| self.map.place_px(p)), LINE_WIDTH_PX, color);
+            }
+        }
+    }
+
+    /// What colours without a number mean, as far as they occur.
+    fn plain_items(&self) -> Vec<Item> {
+        let mut items = vec![Item::Area(SOLID, "inside of a building: no value".to_owned())];
+        if self.results.is_partial {
+            items.push(Item::Area(MISSING, "not computed: the study was stopped".to_owned()));
+        }
+        let is_compared = self.results.models.is_compared();
+        items.push(Item::Line(
+            BUILT,
+            if is_compared { "there before and after" } else { "buildings, from above" }.to_owned(),
+        ));
+        if is_compared {
+            items.push(Item::Line(GOES, "goes".to_owned()));
+            items.push(Item::Line(COMES, "comes".to_owned()));
+        }
+        items
+    }
+}
+
+/// What cells show together.
+fn mean(cells: &mut dyn Iterator<Item = usize>, state: &State, value: &impl Fn(usize) -> Option<f64>) -> Pixel {
+    let (mut sum, mut count, mut is_missing) = (0.0, 0, false);
+    for cell in cells {
+        match value(cell) {
+            Some(value) => {
+                sum += value;
+                count += 1;
+            }
+            None => is_missing |= !state.is_inside[cell],
+        }
+    }
+    match count {
+        0 if is_missing => Pixel::Missing,
+        0 => Pixel::Solid,
+        _ => Pixel::Value(sum / f64::from(count)),
+    }
+}
+
+fn plain(pixel: Pixel) -> Rgb {
+    if pixel == Pixel::Missing { MISSING } else { SOLID }
+}
+
+fn scale(color: impl Fn(f64) -> Rgb) -> Vec<Rgb> {
+    (0..COLORS).map(|i| color(i as f64 / (COLORS - 1) as f64)).collect()
+}
+
+fn at(colors: &[Rgb], place: f64) -> Rgb {
+    colors[(place.clamp(0.0, 1.0) * (colors.len() - 1) as f64).round() as usize]
+}
+
+fn when_text(state: &State) -> &'static str {
+    match state.name {
+        "before" => ", before",
+        "after" => ", after",
+        _ => "",
+    }
+}
+
+/// What, where and when, under the title of every picture.
+pub(super) fn heading_lines(results: &Results) -> Vec<String> {
+    let partial = if results.is_partial {
+        ["PARTIAL: the study was stopped before its end".to_owned()].to_vec()
+    } else {
+        Vec::new()
+    };
+    let lines = [format!("{}, {}", results.subject, results.site.coordinates()), results.period_text()];
+    partial.into_iter().chain(lines).collect()
+}
+
+/// How good it is and what made it, beside every picture.
+pub(super) fn notes(results: &Results) -> Vec<String> {
+    let [largest_s, _] = results.error_bounds_s();
+    let step_s = results.timetable.steps.first().map_or(0.0, umbrae_study::Step::duration_s);
+    let mut notes = Vec::new();
+    if let Some((grid, _)) = results.ground() {
+        notes.push(format!(
+            "Grid: a point every {} m, each in the sun or in shadow every {} min.",
+            grid.spacing,
+            step_s / 60.0
+        ));
+    }
+    notes.push(format!(
+        "Error bound of the hours at any point: {:.1} min or less, if no sun or shade shorter than a step was missed.",
+        largest_s / 60.0
+    ));
+    if let Some(check) = results.check {
+        let (verdicts, differ) = (grouped(check.verdicts), grouped(check.disagreements));
+        notes.push(format!("Check by rays in double precision: {differ} of {verdicts} verdicts differ."));
+    }
+    notes.push(format!("Sun: {}. Clear sky.", results.site.sun));
+    notes.push(format!("umbrae {}", env!("CARGO_PKG_VERSION")));
+    notes
+}
