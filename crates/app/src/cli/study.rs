@@ -69,7 +69,16 @@ pub struct StudyArgs {
     #[arg(long, help_heading = "Results")]
     pub by_object: bool,
 
-    /// Decide so many pairs of receivers and steps once more, one by one, by rays in double precision, and tell in how many that differs
+    /// Judge by a rule: a preset, or a TOML file, each with variants after colons (en17037:germany:high). May be repeated. Presets: en17037, bre209,
+    /// tno-light, tno-strict, pl-wt60, nsw-adg
+    #[arg(long = "rule", value_name = "NAME|FILE", help_heading = "Results")]
+    pub rules: Vec<String>,
+
+    /// Draw no perspective picture, and do not look for a graphics adapter
+    #[arg(long, help_heading = "Results")]
+    pub no_perspective: bool,
+
+    /// Decide so many receivers once more at every step, by rays in double precision, and tell in how many verdicts that differs
     #[arg(long, value_name = "COUNT", default_value_t = 1000, help_heading = "Results")]
     pub check: usize,
 

@@ -51,6 +51,7 @@ pub(super) fn options(args: &StudyArgs) -> Value {
         "on": args.on.iter().map(|on| on.name()).collect::<Vec<_>>(),
         "check": args.check,
         "by_object": args.by_object,
+        "rules": args.rules,
         "threads": args.threads,
         "resume": args.resume,
     })

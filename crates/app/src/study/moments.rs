@@ -41,10 +41,12 @@ pub(super) fn moments(
         to: when.to.as_deref().map_or(Ok(Edge::default()), Edge::parse_to)?,
         step: parse_step(&when.step)?,
     };
-    let timetable = Timetable::new(&place, &period, &SunOptions::default())?;
+    let options = SunOptions::default();
+    let timetable = Timetable::new(&place, &period, &options)?;
     let site = Site {
-        latitude_deg: place.latitude_deg(),
-        longitude_deg: place.longitude_deg(),
+        place,
+        zone: period.clock.zone.clone(),
+        options,
         place_from,
         clock: period.clock.zone.name().to_owned(),
         north_deg: north_rad.to_degrees(),
