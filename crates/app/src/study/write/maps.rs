@@ -193,17 +193,25 @@ impl Plan<'_> {
             other => plain(other),
         };
         let picture = sheet.draw(&self.map, background, |canvas, area| {
-            // The largest first, so that smaller ones lie on it.
-            for (i, (_, outline)) in named.iter().enumerate() {
-                for polygon in &outline.polygons {
-                    let rings: Vec<Vec<DVec2>> =
-                        polygon.rings().map(|ring| ring.iter().map(|&p| self.map.place_px(p)).collect()).collect();
-                    fill(canvas, area, &rings, color(i), 0.55);
-                }
+            // Those without a colour of their own lie below, then the largest, so that smaller ones are seen on it.
+            let (own, others) = named.split_at(named.len().min(OBJECT_COLORS.len()));
+            for (_, outline) in others {
+                self.fill_outline(canvas, area, outline, OTHER_OBJECTS, 0.25);
+            }
+            for (i, (_, outline)) in own.iter().enumerate() {
+                self.fill_outline(canvas, area, outline, color(i), 0.6);
             }
             self.draw_built(canvas, area, state);
         });
         NamedMap { name: state.file_name("profile_by_object", "png"), title: sheet.title, picture }
+    }
+
+    fn fill_outline(&self, canvas: &mut Canvas<'_>, area: Area, outline: &Outline, color: Rgb, opacity: f32) {
+        for polygon in &outline.polygons {
+            let on_map = |ring: &[DVec2]| ring.iter().map(|&p| self.map.place_px(p)).collect();
+            let rings: Vec<Vec<DVec2>> = polygon.rings().map(on_map).collect();
+            fill(canvas, area, &rings, color, opacity);
+        }
     }
 
     fn sheet(&self, title: String, legend: Vec<Item>) -> Sheet {
@@ -319,7 +327,7 @@ pub(super) fn heading_lines(results: &Results) -> Vec<String> {
 
 /// How good it is and what made it, beside every picture.
 pub(super) fn notes(results: &Results) -> Vec<String> {
-    let [largest_s, _] = results.error_bounds_s();
+    let [largest_s, mean_s] = results.error_bounds_s();
     let step_s = results.timetable.steps.first().map_or(0.0, umbrae_study::Step::duration_s);
     let mut notes = Vec::new();
     if let Some((grid, _)) = results.ground() {
@@ -330,7 +338,8 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
         ));
     }
     notes.push(format!(
-        "Error bound of the hours at any point: {:.1} min or less, if no sun or shade shorter than a step was missed.",
+        "Error bound of the hours: {:.1} min on average, {:.1} min at the worst point, if no sun or shade shorter than a step was missed.",
+        mean_s / 60.0,
         largest_s / 60.0
     ));
     if let Some(check) = results.check {

@@ -1,6 +1,7 @@
 //! `day.apng`: the shadows of one day, moving.
 
-use png::{BitDepth, ColorType, Encoder};
+use png::{BitDepth, ColorType, Encoder, Filter};
+use rustc_hash::FxHashMap;
 
 use super::footprints::Footprint;
 use super::legend::Item;
@@ -74,15 +75,18 @@ pub(super) fn write(
     let first = sheet.draw(&map, color(0), |canvas, area| over(canvas, area, 0));
     let area = first.map_area;
     let name = state.file_name("day", "apng");
+    let mut palette = Palette::new();
     folder.write(&name, |file| {
         let [width, height] = first.size_px;
         let mut encoder = Encoder::new(file, width, height);
-        encoder.set_color(ColorType::Rgb);
+        encoder.set_color(ColorType::Indexed);
         encoder.set_depth(BitDepth::Eight);
+        encoder.set_palette(palette.colors.concat());
+        encoder.set_filter(Filter::NoFilter);
         encoder.set_animated(steps.len() as u32, 0)?;
         encoder.set_frame_delay(1, FRAMES_PER_S)?;
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(&without_alpha(&first.rgba))?;
+        writer.write_image_data(&palette.indices(&first.rgba))?;
         for frame in 1..steps.len() {
             let size = [area.width as u32, area.height as u32];
             let mut rgba = vec![255; 4 * (size[0] * size[1]) as usize];
@@ -92,7 +96,7 @@ pub(super) fn write(
             over(&mut canvas, whole, frame);
             writer.set_frame_dimension(size[0], size[1])?;
             writer.set_frame_position(area.x as u32, area.y as u32)?;
-            writer.write_image_data(&without_alpha(&rgba))?;
+            writer.write_image_data(&palette.indices(&rgba))?;
         }
         writer.finish()?;
         Ok(())
@@ -123,6 +127,47 @@ fn label(canvas: &mut Canvas<'_>, area: Area, text: &str) {
     canvas.text(area.x + 12, area.y + 8, text, style, INK);
 }
 
-fn without_alpha(rgba: &[u8]) -> Vec<u8> {
-    rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+/// The few colours of the film, so that it is small: the plain ones, and what smooth edges mix of them.
+struct Palette {
+    colors: Vec<Rgb>,
+    nearest: FxHashMap<Rgb, u8>,
+}
+
+/// Mixtures of two colours.
+const MIXTURES: u16 = 8;
+
+impl Palette {
+    fn new() -> Self {
+        let mix = |from: Rgb, to: Rgb, share: u16| -> Rgb {
+            let channel = |i: usize| (u16::from(from[i]) * (MIXTURES - share) + u16::from(to[i]) * share) / MIXTURES;
+            std::array::from_fn(|i| channel(i) as u8)
+        };
+        let pairs = [(SUN, BUILT), (SHADE, BUILT), (SOLID, BUILT), ([255; 3], INK)];
+        let colors = pairs.into_iter().flat_map(|(from, to)| (0..=MIXTURES).map(move |share| mix(from, to, share)));
+        Self { colors: colors.collect(), nearest: FxHashMap::default() }
+    }
+
+    /// For each pixel the index of the colour that is nearest to its own.
+    fn indices(&mut self, rgba: &[u8]) -> Vec<u8> {
+        let Self { colors, nearest } = self;
+        let distance = |a: Rgb, b: Rgb| -> u32 { (0..3).map(|i| u32::from(a[i].abs_diff(b[i])).pow(2)).sum() };
+        let find = |color: Rgb| (0..colors.len()).min_by_key(|&i| distance(colors[i], color)).unwrap_or(0) as u8;
+        let pixels = rgba.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+        pixels.map(|color| *nearest.entry(color).or_insert_with(|| find(color))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_colours_stay_what_they_are() {
+        let mut palette = Palette::new();
+        for color in [SUN, SHADE, SOLID, BUILT, INK, [255; 3]] {
+            let [r, g, b] = color;
+            let index = palette.indices(&[r, g, b, 255])[0];
+            assert_eq!(palette.colors[usize::from(index)], color);
+        }
+    }
 }

@@ -85,8 +85,8 @@ fn figures(results: &Results) -> String {
         figures += &figure(format!("{mean:.2} h"), "reach the ground, on average");
         figures += &figure(format!("{:.1} %", 100.0 * dark), "of the ground has no sun at all");
     }
-    let [largest_s, _] = results.error_bounds_s();
-    figures += &figure(format!("&plusmn;{:.0} min", (largest_s / 60.0).ceil()), "at most is the error at any point");
+    let [_, mean_s] = results.error_bounds_s();
+    figures += &figure(format!("&plusmn;{:.1} min", mean_s / 60.0), "is the error bound of a point, on average");
     if let Some(check) = results.check {
         let counts = format!("{} of {}", grouped(check.disagreements), grouped(check.verdicts));
         figures += &figure(counts, "verdicts differ in a check by rays");
