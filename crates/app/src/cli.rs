@@ -5,6 +5,8 @@ mod light;
 mod load;
 mod shadow;
 mod study;
+mod sun;
+mod when;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -27,6 +29,8 @@ pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
 pub use self::study::{On, StudyArgs};
+pub use self::sun::SunArgs;
+pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
 /// Exact shadows of real models
 ///
@@ -83,6 +87,8 @@ pub enum Command {
     Study(Box<StudyArgs>),
     /// Write one of the built-in scenes
     Sample(SampleArgs),
+    /// Tell where the sun is on a day, and draw its path; needs no model
+    Sun(SunArgs),
     /// Measure on models of one's own how fast the parts of this program are
     Bench {
         /// What to measure

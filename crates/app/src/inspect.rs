@@ -112,7 +112,7 @@ impl Inspection {
     /// Counts everything in `model`, which was read from `file`.
     ///
     /// In the whole, a mesh counts once however many instances it has. Groups of an OBJ file and solids of an STL file are parts of one
-    /// surface, so there the whole is welded as one and may be closed where its parts are not; meshes of a glTF file are bodies of their own.
+    /// surface, so there the whole is welded as one and may be closed where its parts are not; meshes of a glTF file, and objects of a city, are bodies of their own.
     pub fn new(file: String, model: &Model) -> Self {
         let scene = &model.scene;
         let origin = scene.origin;
@@ -132,7 +132,9 @@ impl Inspection {
             })
             .collect();
         let total = match (model.format, casters.len()) {
-            (Format::Gltf, _) | (_, 1) => total_of_meshes(scene, &casters),
+            (Format::Gltf | Format::CityJson | Format::GeoJson | Format::GeoTiff, _) | (_, 1) => {
+                total_of_meshes(scene, &casters)
+            }
             (Format::Obj | Format::Ply | Format::Stl, _) => total_of_surface(scene),
         };
         Self {

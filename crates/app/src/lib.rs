@@ -1,6 +1,7 @@
 //! The program `umbrae`, as a library so that its tests and benchmarks call what its commands call.
 //!
 //! Start with [`cli`], which says what can be asked; each command has a module of its own:
+//! [`render`], [`inspect`], [`sample`], [`sun`], [`doctor`], [`mod@bench`]. They share [`model`] (files into one scene), [`view`] (camera and ground), [`lights`]
 //! [`render`], [`study`], [`inspect`], [`sample`], [`doctor`], [`mod@bench`]. They share [`model`] (files into one scene), [`view`] (camera and ground), [`lights`]
 //! and [`area`] (lamps with a size), [`cast`] (who casts), [`cache`] (what was prepared before), [`verify`] (pictures against rays), [`show`] (pictures of how it works), [`report`] (JSON), [`output`] (files that are whole or absent) and [`talk`] (standard error).
 
@@ -21,6 +22,7 @@ pub mod report;
 pub mod sample;
 pub mod show;
 pub mod study;
+pub mod sun;
 pub mod talk;
 pub mod verify;
 pub mod view;

@@ -9,6 +9,7 @@ use umbrae::cli::{Cli, Command, explain};
 use umbrae::study::Ending;
 use umbrae::talk::Talk;
 use umbrae::{bench, doctor, inspect, render, sample, study};
+use umbrae::{bench, doctor, inspect, render, sample, sun};
 
 /// The exit codes: all well; a verification found errors; the input or the machine is at fault; stopped by Ctrl-C, as shells have it.
 const OK: u8 = 0;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         }),
         Command::Inspect(args) => inspect::run(args, &talk).map(|()| OK),
         Command::Sample(args) => sample::run(args, &talk).map(|()| OK),
+        Command::Sun(args) => sun::run(args, &talk).map(|()| OK),
         Command::Bench { what } => bench::run(what, &talk).map(|()| OK),
         Command::Doctor => doctor::run().map(|()| OK),
         Command::Completions { shell } => umbrae::cli::write_completions(*shell).map(|()| OK),

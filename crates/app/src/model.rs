@@ -111,6 +111,9 @@ fn say(path: &Path, warnings: &[Warning], talk: &Talk) {
 /// The name of a format in reports.
 pub fn format_name(format: Format) -> &'static str {
     match format {
+        Format::CityJson => "cityjson",
+        Format::GeoJson => "geojson",
+        Format::GeoTiff => "geotiff",
         Format::Gltf => "gltf",
         Format::Obj => "obj",
         Format::Ply => "ply",

@@ -25,16 +25,23 @@
 //! ```
 
 mod animation;
+mod cityjson;
 mod crs;
 mod error;
+mod geojson;
+mod georeference;
+mod geotiff;
 mod gltf;
+mod json;
 mod load;
+mod look;
 mod model;
 mod obj;
 mod picture;
 mod place;
 mod ply;
 mod polygon;
+mod sanity;
 mod stl;
 mod text;
 mod warnings;

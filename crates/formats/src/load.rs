@@ -5,7 +5,9 @@ use std::io;
 use std::path::Path;
 
 use crate::error::Problem;
-use crate::{Crs, Format, LoadError, Model, UpAxis, gltf, obj, ply, stl};
+use crate::{
+    Crs, Format, LoadError, Model, UpAxis, cityjson, geojson, georeference, geotiff, gltf, json, obj, ply, stl,
+};
 
 /// What a file does not say about itself, and what of it is wanted.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -80,14 +82,27 @@ pub fn load_bytes(
     options: &LoadOptions,
 ) -> Result<Model, LoadError> {
     let context = Context { stem: stem_of(name), folder, options };
-    let read = match (other_format(bytes, format), format) {
+    let read = || match (other_format(bytes, format), format) {
         (Some(other), _) => Err(Problem::whole(other)),
+        (_, Format::CityJson | Format::GeoJson) => match json::kind_of(bytes) {
+            Some(kind) if kind.starts_with("CityJSON") => cityjson::read(bytes, context),
+            Some(kind) if geojson::is_kind(&kind) => geojson::read(bytes, context),
+            _ if format == Format::GeoJson => geojson::read(bytes, context),
+            _ => cityjson::read(bytes, context),
+        },
+        (_, Format::GeoTiff) => geotiff::read(bytes, context),
         (_, Format::Gltf) => gltf::read(bytes, context),
         (_, Format::Obj) => obj::read(bytes, context),
         (_, Format::Ply) => ply::read(bytes, context),
         (_, Format::Stl) => stl::read(bytes, context),
     };
-    read.map_err(|problem| LoadError::Content { file: name.to_owned(), problem })
+    let placed = read().and_then(|mut model| {
+        if !format.is_of_cities() {
+            georeference::place_mesh_file(&mut model, options)?;
+        }
+        Ok(model)
+    });
+    placed.map_err(|problem| LoadError::Content { file: name.to_owned(), problem })
 }
 
 /// Why `bytes` can't be of this `format`, if their first ones are those of something else.
@@ -139,6 +154,6 @@ mod tests {
         let drawing = folder.path().join("model.dwg");
         fs::write(&drawing, "AC1032").expect("a file in it");
         let error = load(&drawing, &options).expect_err("we don't read drawings");
-        assert!(error.to_string().ends_with("one of .glb, .gltf, .obj, .ply, .ply.gz or .stl"), "{error}");
+        assert!(error.to_string().ends_with(".city.json, .city.jsonl, .json, .geojson, .tif or .tiff"), "{error}");
     }
 }

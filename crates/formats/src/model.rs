@@ -47,6 +47,12 @@ impl Model {
 /// A file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
+    /// CityJSON 1.0 to 2.0 (`.city.json`, `.json`), or a `CityJSONSeq` (`.city.jsonl`, `.jsonl`); z is up.
+    CityJson,
+    /// GeoJSON (`.geojson`, `.json`): footprints of buildings with their heights; z is up.
+    GeoJson,
+    /// GeoTIFF (`.tif`, `.tiff`): the heights of terrain; z is up.
+    GeoTiff,
     /// glTF 2.0, as JSON (`.gltf`) or in one binary file (`.glb`); y is up.
     Gltf,
     /// Wavefront OBJ; does not say what is up, usually y.
@@ -59,7 +65,8 @@ pub enum Format {
 
 impl Format {
     /// The endings that [`Format::of_path`] knows.
-    pub const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .ply.gz or .stl";
+    pub const ENDINGS: &str =
+        ".glb, .gltf, .obj, .ply, .ply.gz, .stl, .city.json, .city.jsonl, .json, .geojson, .tif or .tiff";
 
     /// The format that the ending of `path` stands for, upper case or lower; `None` if we read no such format.
     ///
@@ -73,6 +80,11 @@ impl Format {
     pub fn of_path(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let endings = [
+            (".json", Self::CityJson),
+            (".jsonl", Self::CityJson),
+            (".geojson", Self::GeoJson),
+            (".tif", Self::GeoTiff),
+            (".tiff", Self::GeoTiff),
             (".glb", Self::Gltf),
             (".gltf", Self::Gltf),
             (".obj", Self::Obj),
@@ -88,8 +100,13 @@ impl Format {
     pub fn usual_up(self) -> UpAxis {
         match self {
             Self::Gltf | Self::Obj | Self::Ply => UpAxis::Y,
-            Self::Stl => UpAxis::Z,
+            Self::CityJson | Self::GeoJson | Self::GeoTiff | Self::Stl => UpAxis::Z,
         }
+    }
+
+    /// Whether its files have a place on earth.
+    pub(crate) fn is_of_cities(self) -> bool {
+        matches!(self, Self::CityJson | Self::GeoJson | Self::GeoTiff)
     }
 }
 

@@ -63,6 +63,30 @@ pub(crate) fn origin_of(bounds: Bounds) -> DVec3 {
     bounds.center().floor()
 }
 
+/// The origin of a scene whose content has a place on earth: 0 within its own size, else whole metres near its middle.
+///
+/// Such content has no numbers to keep: a country seen from its own zero would have its vertices centimetres off. Points
+/// that are not on earth (some programs write the least whole number for a height that they do not know) do not count,
+/// unless there are no others.
+pub(crate) fn origin_on_earth(points: impl Iterator<Item = DVec3>) -> DVec3 {
+    let (mut on_earth, mut all) = (Bounds::EMPTY, Bounds::EMPTY);
+    for p in points {
+        let one = Bounds::of_points([p]);
+        all = all.union(one);
+        if HEIGHTS_ON_EARTH.contains(&p.z) {
+            on_earth = on_earth.union(one);
+        }
+    }
+    let bounds = if on_earth.is_empty() { all } else { on_earth };
+    if bounds.is_empty() || bounds.center().length() <= bounds.size().length() {
+        return DVec3::ZERO;
+    }
+    bounds.center().floor()
+}
+
+/// From the deepest trench to above the highest mountain, in metres; in feet or millimetres nothing is lost but precision.
+const HEIGHTS_ON_EARTH: std::ops::Range<f64> = -12_000.0..40_000.0;
+
 /// The scene of `parts`, one object each. A part that is no mesh is skipped with a warning, unless it is the last.
 ///
 /// `explain` is given a part that is no mesh, with its positions, and its number; it says where in the file the

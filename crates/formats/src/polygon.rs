@@ -10,6 +10,8 @@
 //! An n-gon always becomes n - 2 triangles, and their outline is the polygon's, each side walked once in its own
 //! direction. So a closed surface stays closed whatever its polygons look like.
 
+mod holes;
+
 use std::collections::BTreeMap;
 
 use earcut::Earcut;
@@ -48,7 +50,7 @@ impl Triangulator {
             fan(ring.len()).for_each(add);
             return Cut::Exact;
         }
-        if !flatten(ring, &mut self.flat) {
+        if !flatten(ring, ring, &mut self.flat) {
             fan(ring.len()).for_each(add);
             return Cut::Fan;
         }
@@ -85,7 +87,8 @@ impl Triangulator {
             sorted
         };
         let mut triangles: Vec<[u32; 3]> = self.cut.as_chunks().0.iter().map(walked_as_ring).collect();
-        put_back_dropped_corners(corners as u32, &mut triangles);
+        let sides = (0..corners as u32).map(|i| (i, (i + 1) % corners as u32));
+        put_back_dropped_corners(sides, &mut triangles);
         (triangles.len() == corners - 2).then_some(triangles)
     }
 }
@@ -94,10 +97,10 @@ fn fan(corners: usize) -> impl Iterator<Item = [u32; 3]> {
     (2..corners as u32).map(|i| [0, i - 1, i])
 }
 
-/// `ring` as seen along the axis it faces most, counter-clockwise; false if it faces nowhere.
+/// `corners` as seen along the axis that `ring`, the first of them, faces most, so that it is counter-clockwise; false if it faces nowhere.
 ///
 /// Coordinates are only picked, not turned, so that corners in line stay exactly in line.
-fn flatten(ring: &[DVec3], flat: &mut Vec<DVec2>) -> bool {
+fn flatten(ring: &[DVec3], corners: &[DVec3], flat: &mut Vec<DVec2>) -> bool {
     let first = ring[0];
     let normal: DVec3 = ring.windows(2).map(|side| (side[0] - first).cross(side[1] - first)).sum();
     let size = normal.abs();
@@ -116,23 +119,23 @@ fn flatten(ring: &[DVec3], flat: &mut Vec<DVec2>) -> bool {
         (across, up) = (up, across);
     }
     flat.clear();
-    flat.extend(ring.iter().map(|&p| p - first).map(|p| DVec2::new(p[across], p[up])));
+    flat.extend(corners.iter().map(|&p| p - first).map(|p| DVec2::new(p[across], p[up])));
     true
 }
 
-/// Adds triangles without area where `triangles` leave out corners of the ring that lie on a straight line (or on
-/// one another), as ear cutting does.
+/// Adds triangles without area where `triangles` leave out corners that lie on a straight line (or on one another), as
+/// ear cutting does. `sides` are those of the polygon, walked as the triangles walk them.
 ///
-/// Each side of a triangle should meet the ring's own side or a triangle that walks it the other way. What is left
+/// Each side of a triangle should meet one of the polygon's own or a triangle that walks it the other way. What is left
 /// over are loops, flat as a line; each is filled with a fan.
-fn put_back_dropped_corners(corners: u32, triangles: &mut Vec<[u32; 3]>) {
+fn put_back_dropped_corners(sides: impl Iterator<Item = (u32, u32)>, triangles: &mut Vec<[u32; 3]>) {
     let mut uncovered: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     let mut count = |from: u32, to: u32, times: i32| {
         let sign = if from < to { times } else { -times };
         *uncovered.entry((from.min(to), from.max(to))).or_default() += sign;
     };
-    for i in 0..corners {
-        count(i, (i + 1) % corners, 1);
+    for (from, to) in sides {
+        count(from, to, 1);
     }
     for &[a, b, c] in triangles.iter() {
         count(a, b, -1);

@@ -13,6 +13,7 @@
 //! time and stands for its middle; durations are seconds of UTC.
 
 mod blockers;
+mod check;
 mod clock;
 mod dates;
 mod events;
@@ -34,6 +35,7 @@ mod timetable;
 mod zone;
 
 pub use blockers::Blockers;
+pub use check::Check;
 pub use clock::{Clock, ClockKind, LocalDay, equation_of_time_s};
 pub use dates::{parse_date, parse_dates};
 pub use events::{DayKind, HORIZON_DEG, SunDay, equinoxes_and_solstices, spans_of_sun};

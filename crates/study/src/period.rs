@@ -99,7 +99,7 @@ impl Edge {
         }
     }
 
-    fn text(self, event: &str) -> String {
+    pub(crate) fn text(self, event: &str) -> String {
         match self {
             Self::Local(time) => time.to_string(),
             Self::Sun(SignedDuration::ZERO) => event.to_owned(),

@@ -25,7 +25,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "NAME", help_heading = CITY)]
     pub height_field: Option<String>,
 
-    /// The property of GeoJSON features that is the height of their base (default: the first of base, min_height and others like them, else 0)
+    /// The property of GeoJSON features that is the height of their base (default: the first of base, `min_height` and others like them, else 0)
     #[arg(long, value_name = "NAME", help_heading = CITY)]
     pub base_field: Option<String>,
 

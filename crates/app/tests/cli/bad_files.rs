@@ -36,7 +36,11 @@ fn a_pipe_is_refused_without_waiting_for_it() {
 #[test]
 fn what_is_no_model_is_refused() {
     let place = Place::new();
-    refuses(&place, &place.file("plan.dwg", "AC1032"), &["plan.dwg", ".glb, .gltf, .obj, .ply, .ply.gz or .stl"]);
+    refuses(
+        &place,
+        &place.file("plan.dwg", "AC1032"),
+        &["plan.dwg", ".glb, .gltf, .obj, .ply, .ply.gz, .stl, .city.json"],
+    );
     refuses(&place, &place.file("plan", "AC1032"), &["its ending must be one of"]);
     refuses(&place, &place.file("wrong.glb", "glTX\x02\0\0\0"), &["wrong.glb"]);
     refuses(&place, &place.file("picture.glb", b"\x89PNG\r\n\x1a\n"), &["picture.glb", "a picture under another name"]);

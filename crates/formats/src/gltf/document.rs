@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::error::{Problem, cut_short, quoted};
+use crate::error::{Problem, quoted};
+use crate::json::{json_problem, without_mark};
 
 /// The root object.
 #[derive(Debug, Deserialize)]
@@ -386,7 +387,7 @@ impl Document {
         struct Head {
             asset: Asset,
         }
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let json = without_mark(json);
         match serde_json::from_slice::<Self>(json) {
             Ok(document) => document.asset.check().map(|()| document),
             Err(error) => {
@@ -397,14 +398,6 @@ impl Document {
             }
         }
     }
-}
-
-/// The library's own words, which may quote the file at length; the place is said apart.
-fn json_problem(error: &serde_json::Error) -> Problem {
-    let text = error.to_string();
-    let what = text.split(" at line ").next().unwrap_or(&text);
-    let message = format!("its JSON can't be read at column {}: {}", error.column(), cut_short(what, 120));
-    Problem::at_line(error.line(), message)
 }
 
 impl Asset {

@@ -126,11 +126,13 @@ impl Receivers {
         self.add(caster.name.clone(), kind, points, inside);
     }
 
-    /// Adds points by position and normal (zero: open to all sides), each with its name.
+    /// Adds points by name, position and normal: zero is open to all sides, else the point is moved [`LIFT_M`] along it, before the surface on which
+    /// it may lie.
     pub fn add_points(&mut self, name: String, points: Vec<(String, DVec3, Vec3)>, solids: &Solids) {
-        let positions: Vec<DVec3> = points.iter().map(|p| p.1).collect();
-        let inside = solids.hold(&positions);
         let normals: Vec<Vec3> = points.iter().map(|p| p.2.normalize_or_zero()).collect();
+        let lifted = |(p, normal): (&(String, DVec3, Vec3), &Vec3)| p.1 + LIFT_M * normal.as_dvec3();
+        let positions: Vec<DVec3> = points.iter().zip(&normals).map(lifted).collect();
+        let inside = solids.hold(&positions);
         let names = points.into_iter().map(|p| p.0).collect();
         self.add(name, GroupKind::Points { names }, positions.into_iter().zip(normals), inside);
     }

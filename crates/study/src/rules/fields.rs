@@ -6,6 +6,8 @@ use std::str::FromStr;
 use jiff::civil::Date;
 use serde::{Serialize, Serializer};
 
+use crate::{ClockKind, Edge};
+
 /// A day of every year, `MM-DD`; never 29 February, which most years lack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MonthDay {
@@ -67,69 +69,24 @@ pub enum Need {
     Worst,
 }
 
-/// Where a rule's part of the day begins or ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DayEdge {
-    /// When the clock shows so many seconds from 00:00; 86400 is 24:00.
-    Clock(u32),
-    /// So many minutes after sunrise (of the beginning) or sunset (of the end); negative before.
-    Sun(i32),
-}
-
-impl DayEdge {
-    /// `09:00`, or `event` (`sunrise` or `sunset`), with minutes more or less: `sunrise+60min`.
-    pub(super) fn parse(text: &str, event: &str) -> Option<Self> {
-        if let Some(rest) = text.strip_prefix(event) {
-            let minutes = match rest {
-                "" => 0,
-                _ => rest.strip_suffix("min").filter(|minutes| minutes.starts_with(['+', '-']))?.parse().ok()?,
-            };
-            return Some(Self::Sun(minutes)).filter(|_| (-720..=720).contains(&minutes));
-        }
-        let (hours, minutes) = text.split_once(':')?;
-        let number =
-            |part: &str| (part.len() == 2 && part.bytes().all(|b| b.is_ascii_digit())).then(|| part.parse().ok())?;
-        let (hours, minutes): (u32, u32) = (number(hours)?, number(minutes)?);
-        let seconds = hours * 3600 + minutes * 60;
-        (minutes < 60 && seconds <= 86_400).then_some(Self::Clock(seconds))
-    }
-
-    fn text(self, event: &str) -> String {
-        match self {
-            Self::Clock(seconds) => format!("{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
-            Self::Sun(0) => event.to_owned(),
-            Self::Sun(minutes) => format!("{event}{minutes:+}min"),
-        }
-    }
-}
-
 /// By which clock, and from when to when, sun counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RuleClock {
-    /// True solar time, else the clock on the wall.
-    pub is_solar: bool,
+    /// The law's time or the sun's.
+    pub kind: ClockKind,
     /// The first moment that counts.
-    pub from: DayEdge,
+    pub from: Edge,
     /// The first that does not any more.
-    pub to: DayEdge,
-}
-
-impl RuleClock {
-    /// [`RuleClock::from`] as a command line has it: `09:00`, `sunrise+60min`.
-    pub fn start_text(&self) -> String {
-        self.from.text("sunrise")
-    }
-
-    /// [`RuleClock::to`] likewise: `24:00`, `sunset-60min`.
-    pub fn end_text(&self) -> String {
-        self.to.text("sunset")
-    }
+    pub to: Edge,
 }
 
 impl Serialize for RuleClock {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let kind = if self.is_solar { "solar" } else { "civil" };
-        serializer.collect_map([("kind", kind), ("from", &self.start_text()), ("to", &self.end_text())])
+        let kind = match self.kind {
+            ClockKind::Civil => "civil",
+            ClockKind::Solar => "solar",
+        };
+        serializer.collect_map([("kind", kind), ("from", &self.from.text("sunrise")), ("to", &self.to.text("sunset"))])
     }
 }
 

@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::fields::{Dates, DayEdge, Enough, MonthDay, Need, ReceiverKind, RuleClock};
+use super::fields::{Dates, Enough, MonthDay, Need, ReceiverKind, RuleClock};
 use super::rule::{Rule, SunNeeded};
+use crate::{ClockKind, Edge, TimeError};
 
 /// Why there is no rule.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -269,30 +270,33 @@ fn dates(file: DatesFile) -> Result<Dates, RuleError> {
 }
 
 fn clock(file: &ClockFile) -> Result<RuleClock, RuleError> {
-    let is_solar = match file.kind.as_str() {
-        "civil" => false,
-        "solar" => true,
+    let kind = match file.kind.as_str() {
+        "civil" => ClockKind::Civil,
+        "solar" => ClockKind::Solar,
         other => {
-            return Err(wrong(
-                "clock.kind",
-                &quoted(other),
-                "it is \"civil\" (the clock on the wall) or \"solar\" (true solar time)",
-            ));
+            let kinds = "it is \"civil\" (the clock on the wall) or \"solar\" (true solar time)";
+            return Err(wrong("clock.kind", &quoted(other), kinds));
         }
     };
-    let edge = |key: &'static str, text: &str, event: &str| {
-        let way_out =
-            || wrong(key, &quoted(text), format!("it is written HH:MM, up to 24:00, or {event}, or {event}+60min"));
-        DayEdge::parse(text, event).ok_or_else(way_out)
-    };
-    let from = edge("clock.from", &file.from, "sunrise")?;
-    let to = edge("clock.to", &file.to, "sunset")?;
-    if let (DayEdge::Clock(start), DayEdge::Clock(end)) = (from, to)
-        && start >= end
+    let from = edge("clock.from", &file.from, Edge::parse_from(&file.from))?;
+    let to = edge("clock.to", &file.to, Edge::parse_to(&file.to))?;
+    if let (Edge::Local(start), Edge::Local(end)) = (from, to)
+        && start.seconds() >= end.seconds()
     {
         return Err(wrong("clock.to", &quoted(&file.to), format!("that is not after {}", file.from)));
     }
-    Ok(RuleClock { is_solar, from, to })
+    Ok(RuleClock { kind, from, to })
+}
+
+/// `parsed`, unless it is a time of one zone only.
+fn edge(key: &'static str, text: &str, parsed: Result<Edge, TimeError>) -> Result<Edge, RuleError> {
+    match parsed {
+        Ok(Edge::Local(time)) if time.offset().is_some() => {
+            Err(wrong(key, &quoted(text), "a rule holds in every zone; leave the offset away"))
+        }
+        Ok(edge) => Ok(edge),
+        Err(error) => Err(wrong(key, &quoted(text), error.to_string())),
+    }
 }
 
 fn receivers(names: &[String]) -> Result<Vec<ReceiverKind>, RuleError> {

@@ -26,7 +26,7 @@ mod tests;
 mod verdict;
 
 pub use evidence::{Bounded, CountedSun, Evidence, GroupEvidence};
-pub use fields::{Dates, DayEdge, Enough, MonthDay, Need, ReceiverKind, RuleClock};
+pub use fields::{Dates, Enough, MonthDay, Need, ReceiverKind, RuleClock};
 pub use file::RuleError;
 pub use rule::{Needs, Rule, SunNeeded};
 pub use verdict::{DayNumbers, GroupVerdict, Outcome, Verdict};

@@ -1,12 +1,13 @@
 //! A rule, the presets, and what a study must compute for it.
 
+use jiff::SignedDuration;
 use jiff::civil::Date;
 use serde::Serialize;
 
 use super::evidence::CountedSun;
 use super::fields::{Dates, Enough, Need, ReceiverKind, RuleClock};
 use super::file::{self, RuleError};
-use crate::SunHours;
+use crate::{Clock, Period, SunHours, Zone};
 
 /// What ships with the program: name, and the text of the file.
 const PRESETS: [(&str, &str); 6] = [
@@ -92,6 +93,14 @@ pub struct Needs {
     pub receivers: Vec<ReceiverKind>,
     /// Whether the sun before a project, too, may decide.
     pub uses_before: bool,
+}
+
+impl Needs {
+    /// The period to study in `zone`, in steps of `step`.
+    pub fn period(&self, zone: Zone, step: SignedDuration) -> Period {
+        let RuleClock { kind, from, to } = self.clock;
+        Period { clock: Clock { kind, zone }, dates: self.dates.clone(), from, to, step }
+    }
 }
 
 impl Rule {

@@ -3,7 +3,7 @@
 use jiff::{SignedDuration, Timestamp};
 
 use super::*;
-use crate::{Interval, SunHours};
+use crate::{ClockKind, Edge, Interval, LocalTime, Place, SunHours, Zone};
 
 const MINUTE_S: f64 = 60.0;
 const HOUR_S: f64 = 3600.0;
@@ -118,7 +118,7 @@ fn presets_ask_for_what_the_research_says_they_do() {
     assert_eq!(preset("en17037:germany:high").min_altitude_rad, 11_f64.to_radians());
     assert_eq!(preset("tno-light:the-hague").receivers, [ReceiverKind::Wall, ReceiverKind::Points]);
     let children = preset("pl-wt60:children");
-    assert_eq!((children.clock.start_text(), children.clock.end_text()), ("08:00".to_owned(), "16:00".to_owned()));
+    assert_eq!([children.clock.from.text("sunrise"), children.clock.to.text("sunset")], ["08:00", "16:00"]);
     assert_eq!((children.enough_receivers, children.enough_groups), (Enough::All, Enough::All));
     assert_eq!(preset("bre209").least_ratio, Some(0.8));
     assert!(preset("bre209").needs(2026).uses_before && !preset("en17037").needs(2026).uses_before);
@@ -158,8 +158,9 @@ fn a_file_that_is_wrong_is_refused_in_one_sentence_that_names_the_place() {
         (
             "\"09:00\"",
             "\"9\"",
-            "`clock.from` is \"9\", but it is written HH:MM, up to 24:00, or sunrise, or sunrise+60min",
+            "`clock.from` is \"9\", but `9` is no time of day; write hours and minutes from 00:00 to 24:00",
         ),
+        ("\"09:00\"", "\"09:00+01:00\"", "`clock.from` is \"09:00+01:00\", but a rule holds in every zone"),
         ("\"09:00\"", "\"sunset\"", "`clock.from` is \"sunset\", but"),
         ("\"17:00\"", "\"24:01\"", "`clock.to` is \"24:01\", but"),
         ("\"17:00\"", "\"09:00\"", "`clock.to` is \"09:00\", but that is not after 09:00"),
@@ -204,12 +205,21 @@ fn a_variant_changes_what_it_names_and_nothing_else() {
 
 #[test]
 fn clocks_may_follow_the_sun_or_be_sundials() {
-    let text = changed("from = \"09:00\"\nto = \"17:00\"", "from = \"sunrise+60min\"\nto = \"sunset-60min\"");
+    let text = changed("from = \"09:00\"\nto = \"17:00\"", "from = \"sunrise+1h\"\nto = \"sunset-30min\"");
     let clock = Rule::parse(&text.replace("\"civil\"", "\"solar\""), &[]).expect("a rule").clock;
-    assert_eq!(clock, RuleClock { is_solar: true, from: DayEdge::Sun(60), to: DayEdge::Sun(-60) });
-    assert_eq!((clock.start_text(), clock.end_text()), ("sunrise+60min".to_owned(), "sunset-60min".to_owned()));
-    assert_eq!(rule("\"17:00\"", "\"24:00\"").clock.to, DayEdge::Clock(86_400));
-    assert_eq!(rule("\"09:00\"", "\"sunrise\"").clock.start_text(), "sunrise");
+    let [from, to] = [60, -30].map(|minutes| Edge::Sun(SignedDuration::from_mins(minutes)));
+    assert_eq!(clock, RuleClock { kind: ClockKind::Solar, from, to });
+    assert_eq!(rule("\"17:00\"", "\"24:00\"").clock.to, Edge::Local(LocalTime::END_OF_DAY));
+}
+
+#[test]
+fn what_a_rule_needs_is_a_period_of_any_zone() {
+    let vienna = Place::from_degrees(48.21, 16.37).expect("a place");
+    let zone = Zone::of_place(&vienna);
+    let needs = Rule::preset("pl-wt60").expect("a preset").needs(2026);
+    let period = needs.period(zone, SignedDuration::from_mins(30));
+    let timetable = crate::Timetable::new(&vienna, &period, &crate::SunOptions::default()).expect("days");
+    assert_eq!((timetable.days.len(), timetable.steps.len()), (2, 2 * 20));
 }
 
 #[test]
