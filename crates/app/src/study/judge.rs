@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use glam::DVec3;
 use umbrae_core::SurfaceKind;
 use umbrae_study::rules::{CountedSun, Evidence, GroupEvidence, ReceiverKind, Rule, RuleError, Verdict};
-use umbrae_study::{Clock, Edge, GroupKind, Packets, Period, Receivers, SunHours, SunOptions, Timetable};
+use umbrae_study::{Clock, GroupKind, Packets, Period, Receivers, SunHours, SunOptions, Timetable};
 
 use super::results::Results;
 use super::rows::{bit, rows_of};
@@ -50,13 +50,13 @@ pub(super) fn judge(
     let year = results.timetable.days.first().map_or(2000, |day| day.year());
     let needs = rule.needs(year);
     let site = &results.site;
-    let clock = if needs.clock.is_solar { Clock::solar(site.zone.clone()) } else { Clock::civil(site.zone.clone()) };
+    let clock = Clock { kind: needs.clock.kind, zone: site.zone.clone() };
     let steps = results.timetable.steps.iter().map(|step| step.end.duration_since(step.start));
     let period = Period {
         clock,
         dates: needs.dates,
-        from: Edge::parse_from(&needs.clock.start_text())?,
-        to: Edge::parse_to(&needs.clock.end_text())?,
+        from: needs.clock.from,
+        to: needs.clock.to,
         // The last step of a day may be cut short.
         step: steps.max().context("the period of the study has no step")?,
     };
