@@ -34,3 +34,5 @@ mod shadows;
 mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;
+#[path = "cli/sun.rs"]
+mod sun;
