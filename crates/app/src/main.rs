@@ -8,8 +8,7 @@ use clap::Parser as _;
 use umbrae::cli::{Cli, Command, explain};
 use umbrae::study::Ending;
 use umbrae::talk::Talk;
-use umbrae::{bench, doctor, inspect, render, sample, study};
-use umbrae::{bench, doctor, inspect, render, sample, sun};
+use umbrae::{bench, doctor, inspect, render, sample, study, sun};
 
 /// The exit codes: all well; a verification found errors; the input or the machine is at fault; stopped by Ctrl-C, as shells have it.
 const OK: u8 = 0;

@@ -36,3 +36,5 @@ mod shadows;
 mod show;
 #[path = "cli/stranger.rs"]
 mod stranger;
+#[path = "cli/sun.rs"]
+mod sun;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::LoadArgs;
+use super::{LoadArgs, PeriodArgs, PlaceArgs};
 use crate::parse::metres;
 
 /// What receivers stand on.
@@ -69,7 +69,16 @@ pub struct StudyArgs {
     #[arg(long, help_heading = "Results")]
     pub by_object: bool,
 
-    /// Decide so many pairs of receivers and steps once more, one by one, by rays in double precision, and tell in how many that differs
+    /// Judge by a rule: a preset, or a TOML file, each with variants after colons (en17037:germany:high). May be repeated. Presets: en17037, bre209,
+    /// tno-light, tno-strict, pl-wt60, nsw-adg
+    #[arg(long = "rule", value_name = "NAME|FILE", help_heading = "Results")]
+    pub rules: Vec<String>,
+
+    /// Draw no perspective picture, and do not look for a graphics adapter
+    #[arg(long, help_heading = "Results")]
+    pub no_perspective: bool,
+
+    /// Decide so many receivers once more at every step, by rays in double precision, and tell in how many verdicts that differs
     #[arg(long, value_name = "COUNT", default_value_t = 1000, help_heading = "Results")]
     pub check: usize,
 
@@ -81,40 +90,24 @@ pub struct StudyArgs {
     #[arg(long, value_name = "COUNT", help_heading = "Machine")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Where and when.
+    /// Degrees from the y axis of the models clockwise to true north (default: as their coordinate reference system has it, else 0)
+    #[arg(long, value_name = "DEGREES", value_parser = north_deg, allow_hyphen_values = true, help_heading = "Place")]
+    pub north: Option<f64>,
+
+    /// Where.
     #[command(flatten)]
-    pub when: WhenArgs,
+    pub place: PlaceArgs,
+
+    /// When.
+    #[command(flatten)]
+    pub period: PeriodArgs,
 
     /// How models are read.
     #[command(flatten)]
     pub load: LoadArgs,
 }
 
-/// Stand-in.
-#[derive(Debug, Args)]
-pub struct WhenArgs {
-    /// Latitude
-    #[arg(long, allow_hyphen_values = true)]
-    pub lat: Option<f64>,
-    /// Longitude
-    #[arg(long, allow_hyphen_values = true)]
-    pub lon: Option<f64>,
-    /// IANA zone
-    #[arg(long)]
-    pub tz: Option<String>,
-    /// Date
-    #[arg(long = "date")]
-    pub dates: Vec<String>,
-    /// From
-    #[arg(long)]
-    pub from: Option<String>,
-    /// To
-    #[arg(long)]
-    pub to: Option<String>,
-    /// Step
-    #[arg(long, default_value = "15min")]
-    pub step: String,
-    /// True north
-    #[arg(long, allow_hyphen_values = true)]
-    pub north: Option<f64>,
+fn north_deg(text: &str) -> Result<f64, String> {
+    let degrees = text.trim().parse().ok().filter(|degrees| (-360.0..=360.0).contains(degrees));
+    degrees.ok_or_else(|| format!("`{text}` is not a direction; write degrees from -360 to 360, such as 12.5"))
 }

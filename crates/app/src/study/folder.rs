@@ -41,10 +41,6 @@ impl Folder {
         fs::create_dir_all(&self.path).with_context(|| format!("can't make the folder `{}`", self.path.display()))
     }
 
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The names of the files that are staged, in order.
     pub(crate) fn names(&self) -> Vec<&str> {
         self.staged.iter().map(|(_, name)| name.as_str()).collect()
@@ -75,6 +71,17 @@ impl Folder {
         let staged = staged().with_context(|| format!("can't write `{}`", self.path.join(name).display()))?;
         self.staged.push((staged, name.to_owned()));
         Ok(())
+    }
+
+    /// What is in a file that is staged under `name`.
+    ///
+    /// # Errors
+    ///
+    /// When it can't be read, or there is none.
+    pub(crate) fn read(&self, name: &str) -> anyhow::Result<Vec<u8>> {
+        let staged = self.staged.iter().find(|(_, other)| other == name);
+        let (file, _) = staged.with_context(|| format!("`{name}` was not written"))?;
+        fs::read(file.path()).with_context(|| format!("can't read `{name}` again"))
     }
 
     /// Gives all files their names.

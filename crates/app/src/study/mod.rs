@@ -4,9 +4,11 @@
 //! sums into files; everything else is written from those ([`results`], [`write`]).
 
 mod cancel;
+mod check;
 mod folder;
 mod frame;
 mod inputs;
+mod judge;
 mod moments;
 mod points;
 mod receivers;
@@ -18,10 +20,11 @@ mod sums;
 mod tiles;
 mod write;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use anyhow::{Context as _, bail, ensure};
+use anyhow::Context as _;
 use glam::DVec3;
+use umbrae_study::rules::Rule;
 use umbrae_study::{Packets, Receivers};
 use web_time::Instant;
 
@@ -29,9 +32,10 @@ use self::folder::Folder;
 use self::frame::Frame;
 use self::inputs::{inputs, key, options};
 use self::receivers::receivers;
-use self::results::{Results, State, Timings};
+use self::results::{Check, Results, State, Timings};
 use self::scene::{Models, Situation};
 use self::tiles::{Job, Workshop};
+use self::write::Wants;
 use crate::cli::StudyArgs;
 use crate::show::numbers::{counted, grouped};
 use crate::talk::Talk;
@@ -61,6 +65,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     let begin = Instant::now();
     let mut timings = Timings::default();
     let mut folder = Folder::make_sure(&args.output)?;
+    let rules = judge::rules(&args.rules)?;
 
     let models = Models::load(args, talk)?;
     let frame = Frame { origin: models.scene.origin, crs: models.crs.clone() };
@@ -85,7 +90,9 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
         receivers,
         states: Vec::new(),
         check: None,
+        margin_m: situations.iter().map(|situation| situation.blockers.margin_m()).fold(0.0, f64::max),
         is_partial: false,
+        verdicts: Vec::new(),
         timings,
         inputs: inputs(args)?,
         options: options(args),
@@ -108,16 +115,23 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     if args.resume && !workshop.has_finished_blocks() {
         talk.note("there is nothing to resume, so the study begins anew");
     }
-    compute(&mut results, &situations, inside, &mut workshop, &stop, talk)?;
-    if results.states.iter().all(|state| state.sums.iter().all(Option::is_none)) && results.is_partial {
-        bail!("the study was stopped before anything of it was finished");
+    let of_state: Vec<Receivers> =
+        inside.into_iter().map(|is_inside| Receivers { is_inside, ..results.receivers.clone() }).collect();
+    compute(&mut results, &situations, &of_state, &mut workshop, &stop, talk)?;
+    let is_empty = results.states.iter().all(|state| state.sums.iter().all(Option::is_none));
+    if results.is_partial && is_empty {
+        talk.warning("stopped before anything was finished, so there is no result");
+        return Ok(Ending::Stopped);
     }
+    check_sample(&mut results, args.check, &situations, talk)?;
+    judge_all(&mut results, &rules, &situations, &of_state, &stop, talk)?;
 
     let start = Instant::now();
-    write::write_all(&results, &mut folder, talk)?;
+    let wants = Wants { by_object: args.by_object, perspective: !args.no_perspective };
+    let shown = write::write_all(&mut results, wants, &mut folder, &stop, talk)?;
     results.timings.write_s = seconds_since(start);
     results.timings.total_s = seconds_since(begin);
-    write::write_run(&results, &mut folder)?;
+    write::write_report(&results, &shown, &mut folder)?;
     folder.publish()?;
     if results.is_partial {
         talk.warning(&format!("stopped: what is finished is in `{}`; --resume continues", args.output.display()));
@@ -143,13 +157,11 @@ fn insides(situations: &[Situation], receivers: &Receivers) -> Vec<Vec<bool>> {
 fn compute(
     results: &mut Results,
     situations: &[Situation],
-    inside: Vec<Vec<bool>>,
+    of_state: &[Receivers],
     workshop: &mut Workshop,
     stop: &AtomicBool,
     talk: &Talk,
 ) -> anyhow::Result<()> {
-    let of_state: Vec<Receivers> =
-        inside.into_iter().map(|is_inside| Receivers { is_inside, ..results.receivers.clone() }).collect();
     let packets: Vec<Packets> = of_state.iter().map(Packets::new).collect();
     let bar = talk.progress("sun and shadow", packets.iter().map(|packets| packets.len() as u64).sum());
     for (state, situation) in situations.iter().enumerate() {
@@ -173,7 +185,49 @@ fn compute(
         });
     }
     bar.finish_and_clear();
-    ensure!(!stop.load(Ordering::Relaxed) || results.is_partial || !results.states.is_empty(), "stopped");
+    Ok(())
+}
+
+/// Looks again at a sample of every state, and says what came of it.
+fn check_sample(results: &mut Results, sample: usize, situations: &[Situation], talk: &Talk) -> anyhow::Result<()> {
+    if sample == 0 {
+        return Ok(());
+    }
+    let start = Instant::now();
+    let mut total = Check::default();
+    for (state, situation) in results.states.iter().zip(situations) {
+        total = total.plus(check::check(sample, state, situation, &results.receivers, &results.suns)?);
+    }
+    results.timings.check_s = seconds_since(start);
+    results.check = Some(total);
+    let Check { verdicts, disagreements, undecided, .. } = total;
+    let counts = [verdicts, disagreements, undecided].map(grouped);
+    talk.note(&format!(
+        "check: {1} of {0} verdicts differ from those of rays ({2} more at edges of shadows)",
+        counts[0], counts[1], counts[2]
+    ));
+    Ok(())
+}
+
+/// Judges by every rule, and says the verdicts; stops where `stop` is set.
+fn judge_all(
+    results: &mut Results,
+    rules: &[Rule],
+    situations: &[Situation],
+    of_state: &[Receivers],
+    stop: &AtomicBool,
+    talk: &Talk,
+) -> anyhow::Result<()> {
+    let start = Instant::now();
+    for rule in rules {
+        let Some(verdict) = judge::judge(rule, results, situations, of_state, stop)? else {
+            results.is_partial = true;
+            break;
+        };
+        talk.note(&format!("{}: {}", rule.title, verdict.text));
+        results.verdicts.push(verdict);
+    }
+    results.timings.rules_s = seconds_since(start);
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use glam::DVec3;
+use umbrae_study::rules::Verdict;
 use umbrae_study::{GroundGrid, Receivers, Timetable};
 
 use super::frame::Frame;
@@ -29,8 +30,12 @@ pub(crate) struct Results {
     pub(crate) states: Vec<State>,
     /// The second look at a sample, if it was asked for.
     pub(crate) check: Option<Check>,
+    /// How near to an edge of a shadow a verdict counts as undecided, in metres.
+    pub(crate) margin_m: f64,
     /// Whether it was stopped before its end.
     pub(crate) is_partial: bool,
+    /// What the rules that were asked for say.
+    pub(crate) verdicts: Vec<Verdict>,
     pub(crate) timings: Timings,
     pub(crate) inputs: Vec<Input>,
     pub(crate) options: serde_json::Value,
@@ -62,15 +67,15 @@ pub(crate) struct Input {
 }
 
 /// A sample of verdicts, found once more by rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub(crate) struct Check {
-    /// How many receivers were looked at, at every step.
+    /// How many receivers were looked at.
     pub(crate) receivers: usize,
     /// How many verdicts that makes.
     pub(crate) verdicts: u64,
-    /// Verdicts that differ although nothing is within a millimetre of the ray.
+    /// Verdicts that differ although no edge of a shadow is within the engine's margin of the receiver.
     pub(crate) disagreements: u64,
-    /// Verdicts that are left out because an edge is within a millimetre.
+    /// Verdicts that differ where one is.
     pub(crate) undecided: u64,
 }
 
@@ -81,6 +86,7 @@ pub(crate) struct Timings {
     pub(crate) prepare_s: f64,
     pub(crate) engine_s: f64,
     pub(crate) check_s: f64,
+    pub(crate) rules_s: f64,
     pub(crate) write_s: f64,
     pub(crate) total_s: f64,
 }

@@ -89,6 +89,18 @@ pub(crate) fn write_rows<R: AsRef<[u8]>>(file: &mut File, rows: &[(usize, R)]) -
     Ok(())
 }
 
+/// The row of one receiver; rows are `stride` bytes long.
+///
+/// # Errors
+///
+/// The system's.
+pub(crate) fn read_row(mut file: &File, receiver: usize, stride: usize) -> std::io::Result<Vec<u8>> {
+    let mut row = vec![0; stride];
+    file.seek(SeekFrom::Start((receiver * stride) as u64))?;
+    file.read_exact(&mut row)?;
+    Ok(row)
+}
+
 /// Bytes that are read at once.
 const CHUNK_BYTES: usize = 1 << 22;
 

@@ -2,13 +2,14 @@
 
 use jiff::tz::{Offset, TimeZone};
 use jiff::{Timestamp, Zoned};
-use umbrae_study::{Step, Timetable};
+use umbrae_study::{Place, Step, SunOptions, Timetable, Zone};
 
 /// Where and by which clock.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Site {
-    pub(crate) latitude_deg: f64,
-    pub(crate) longitude_deg: f64,
+    pub(crate) place: Place,
+    pub(crate) zone: Zone,
+    pub(crate) options: SunOptions,
     /// Where the place is from: "--lat and --lon", "the model's coordinate reference system".
     pub(crate) place_from: &'static str,
     /// "Europe/Vienna", "true solar time".
@@ -66,7 +67,7 @@ pub(crate) fn offset_at(steps: &[Step], time: Timestamp) -> i32 {
 impl Site {
     /// `48.2000 N, 16.3700 E`.
     pub(crate) fn coordinates(&self) -> String {
-        let [lat, lon] = [self.latitude_deg, self.longitude_deg];
+        let [lat, lon] = [self.place.latitude_deg(), self.place.longitude_deg()];
         let (ns, ew) = (if lat < 0.0 { 'S' } else { 'N' }, if lon < 0.0 { 'W' } else { 'E' });
         format!("{:.4}\u{b0} {ns}, {:.4}\u{b0} {ew}", lat.abs(), lon.abs())
     }

@@ -146,11 +146,20 @@ impl Seen {
         Offset::from_seconds(self.utc_offset_s).unwrap_or(Offset::UTC).to_datetime(self.time)
     }
 
-    /// What the clock shows to the nearest second, on the day that begins with `date`: the end of a day is its 24:00:00.
+    /// What the clock shows to the nearest second on the day `date`, whose end is its 24:00:00.
     pub(super) fn clock_text(&self, date: Date) -> String {
-        let shown = self.local() + SignedDuration::from_millis(500);
-        let is_end = shown.date() > date && shown.hour() == 0 && shown.minute() == 0 && shown.second() == 0;
-        if is_end { "24:00:00".to_owned() } else { shown.time().strftime("%H:%M:%S").to_string() }
+        self.rounded_text(date, SignedDuration::from_millis(500), "%H:%M:%S", "24:00:00")
+    }
+
+    /// The same to the nearest minute.
+    pub(super) fn minutes_text(&self, date: Date) -> String {
+        self.rounded_text(date, SignedDuration::from_secs(30), "%H:%M", "24:00")
+    }
+
+    fn rounded_text(&self, date: Date, half: SignedDuration, format: &str, end: &str) -> String {
+        let shown = self.local().saturating_add(half);
+        let is_end = shown.date() > date && shown.time().duration_since(Time::midnight()) < half * 2;
+        if is_end { end.to_owned() } else { shown.strftime(format).to_string() }
     }
 }
 

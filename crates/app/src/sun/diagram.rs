@@ -12,16 +12,20 @@ use umbrae_study::{ClockKind, LocalTime, Sun, SunPath, TimeError, equinoxes_and_
 use super::almanac::{Almanac, Day, Seen};
 use super::diagram_legend::legend;
 
-pub(super) const WIDTH: f64 = 1160.0;
-pub(super) const HEIGHT: f64 = 860.0;
+pub(super) const WIDTH: f64 = 1240.0;
+pub(super) const HEIGHT: f64 = 900.0;
 /// Of the zenith.
-const MIDDLE: [f64; 2] = [410.0, 440.0];
+const MIDDLE: [f64; 2] = [410.0, 470.0];
 /// From the zenith to the horizon.
 const HORIZON_PX: f64 = 350.0;
 /// Okabe and Ito's, which the colour-blind can tell apart; their yellow is too faint for a line.
 const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 /// For the June solstice, the equinoxes and the December solstice.
 const DASHES: [&str; 3] = ["12 4", "6 3 1.5 3", "2 3"];
+/// From the middle of a letter to the line that it stands on, of its size: not every viewer can centre text.
+const HALF_LETTER: f64 = 0.36;
+/// From the end of an hour's line to its name.
+const HOUR_NAME_PX: f64 = 14.0;
 /// Points of a way are so far apart.
 const APART: SignedDuration = SignedDuration::from_mins(3);
 /// Points of an hour's line are so many days apart; the last comes back to the first.
@@ -66,8 +70,8 @@ pub(super) fn svg(almanac: &Almanac) -> Result<String, TimeError> {
         draw_way(almanac, way, &mut svg)?;
     }
     // Letters over all lines.
-    for (i, way) in ways.iter().enumerate() {
-        draw_letter(almanac, way, i, &mut svg)?;
+    for way in &ways {
+        draw_letter(almanac, way, &mut svg)?;
     }
     legend(almanac, &ways, &mut svg)?;
     svg.push_str("</svg>\n");
@@ -114,9 +118,9 @@ fn sky(almanac: &Almanac, svg: &mut String) {
         let away = HORIZON_PX + 20.0;
         let _ = writeln!(
             svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" dominant-baseline=\"central\" {size}>{name}</text>",
+            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" {size}>{name}</text>",
             x + away * sin,
-            y - away * cos
+            y - away * cos + HALF_LETTER * if azimuth % 90.0 == 0.0 { 20.0 } else { 12.0 }
         );
     }
     // On the side where the sun is at midnight, out of the way of its lines.
@@ -142,8 +146,9 @@ fn sky(almanac: &Almanac, svg: &mut String) {
 fn text(svg: &mut String, at: [f64; 2], words: &str, style: &str) {
     let _ = writeln!(
         svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" dominant-baseline=\"central\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\" {style}>{words}</text>",
-        at[0], at[1]
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\" {style}>{words}</text>",
+        at[0],
+        at[1] + HALF_LETTER * 12.0
     );
 }
 
@@ -153,27 +158,23 @@ fn hours(almanac: &Almanac, svg: &mut String) -> Result<(), TimeError> {
     let new_year = Date::new(first.local.date.year(), 1, 1).unwrap_or(first.local.date);
     let dates = (0..=365 / DAYS_APART).map(|i| new_year.saturating_add((i * DAYS_APART).days()));
     let dates: Vec<Date> = dates.chain([new_year]).collect();
+    let south = almanac.place.latitude_deg() < 0.0;
+    let [equinox, summer] =
+        [new_year.saturating_add(79.days()), new_year.saturating_add(if south { 354 } else { 171 }.days())];
     for hour in 0..24 {
-        let mut line: Vec<Option<[f64; 2]>> = Vec::new();
-        let mut highest: Option<Sun> = None;
-        for &date in &dates {
-            let sun = Sun::at(&almanac.place, moment(almanac, first, date, hour)?, &almanac.options)?;
-            line.push((sun.altitude_rad > 0.0).then(|| at(sun)));
-            if highest.is_none_or(|highest| highest.altitude_rad < sun.altitude_rad) {
-                highest = Some(sun);
-            }
+        let sun = |date: Date| Sun::at(&almanac.place, moment(almanac, first, date, hour)?, &almanac.options);
+        let suns: Vec<Sun> = dates.iter().map(|&date| sun(date)).collect::<Result<_, TimeError>>()?;
+        for piece in suns.split(|sun| sun.altitude_rad <= 0.0) {
+            let points: Vec<[f64; 2]> = piece.iter().copied().map(at).collect();
+            draw_line(svg, &points, "stroke=\"#b0b0a8\" stroke-width=\"1\"");
         }
-        for piece in line.split(Option::is_none).filter(|piece| piece.len() > 1) {
-            draw_line(
-                svg,
-                &piece.iter().flatten().copied().collect::<Vec<_>>(),
-                "stroke=\"#b0b0a8\" stroke-width=\"1\"",
-            );
-        }
-        // The name is where the hour's sun is highest, a little further up.
-        if let Some(sun) = highest.filter(|sun| sun.altitude_rad > 0.06) {
-            let [x, y] = at(Sun { altitude_rad: sun.altitude_rad + 0.055, ..sun });
-            text(svg, [x, y], &hour.to_string(), "font-size=\"12\" fill=\"#505050\"");
+        // The name is beyond the end that the line has in summer.
+        let end = sun(summer)?;
+        if end.altitude_rad > 0.0 {
+            let ([x, y], [from_x, from_y]) = (at(end), at(sun(equinox)?));
+            let away = HOUR_NAME_PX / (x - from_x).hypot(y - from_y).max(1.0);
+            let name_at = [x + (x - from_x) * away, y + (y - from_y) * away];
+            text(svg, name_at, &hour.to_string(), "font-size=\"12\" fill=\"#505050\"");
         }
     }
     Ok(())
@@ -263,12 +264,12 @@ fn whole_hours(almanac: &Almanac, day: &Day) -> Result<Vec<Seen>, TimeError> {
 }
 
 /// The letter of a way, on its afternoon; of each way at another time, so that those of neighbouring dates are apart.
-fn draw_letter(almanac: &Almanac, way: &Way, index: usize, svg: &mut String) -> Result<(), TimeError> {
+fn draw_letter(almanac: &Almanac, way: &Way, svg: &mut String) -> Result<(), TimeError> {
     let Style::Asked(color, letter) = way.style else { return Ok(()) };
     let Some([from, to]) = way.day.sun.up().into_iter().max_by_key(|[from, to]| to.duration_since(*from)) else {
         return Ok(());
     };
-    let share = 0.86 - 0.05 * index as f64;
+    let share = 0.88 - 0.06 * f64::from(letter as u8 - b'A');
     let seconds = to.duration_since(from).as_secs_f64() * share;
     let seen = almanac.seen(from + SignedDuration::from_secs(seconds as i64))?;
     if seen.sun.altitude_rad > 0.0 {
@@ -285,7 +286,8 @@ pub(super) fn badge(svg: &mut String, [x, y]: [f64; 2], color: &str, letter: cha
     );
     let _ = writeln!(
         svg,
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" dominant-baseline=\"central\" font-size=\"13\" font-weight=\"bold\">{letter}</text>"
+        "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"13\" font-weight=\"bold\">{letter}</text>",
+        y + HALF_LETTER * 13.0
     );
 }
 

@@ -7,7 +7,6 @@ use umbrae_study::{ClockKind, DayKind, TimeError};
 
 use super::almanac::{Almanac, offset_text};
 use super::diagram::{HEIGHT, Style, Way, badge, noon};
-use super::table::duration_text;
 
 /// Its left edge.
 const LEFT: f64 = 826.0;
@@ -23,7 +22,7 @@ pub(super) fn legend(almanac: &Almanac, ways: &[Way], svg: &mut String) -> Resul
         "<text x=\"24\" y=\"36\" font-size=\"22\" font-weight=\"bold\">The sun at {}</text>",
         almanac.place_text()
     );
-    let mut y = 110.0;
+    let mut y = 60.0;
     let asked_first = ways.iter().filter(|way| matches!(way.style, Style::Asked(..)));
     let seasons_then = ways.iter().filter(|way| matches!(way.style, Style::Season(_)));
     for way in asked_first.chain(seasons_then) {
@@ -59,7 +58,7 @@ fn line(svg: &mut String, x: f64, y: f64, size: &str, words: &str) {
 fn events(almanac: &Almanac, way: &Way) -> Result<Vec<String>, TimeError> {
     let day = &way.day;
     let offset = format!("UTC{}", day.offsets);
-    let shown = |time: Timestamp| Ok(almanac.seen(time)?.clock_text(day.local.date)[..5].to_owned());
+    let shown = |time: Timestamp| Ok(almanac.seen(time)?.minutes_text(day.local.date));
     let up = match day.sun.kind() {
         DayKind::PolarDay => "polar day: it does not set".to_owned(),
         DayKind::PolarNight => "polar night: it does not rise".to_owned(),
@@ -72,8 +71,9 @@ fn events(almanac: &Almanac, way: &Way) -> Result<Vec<String>, TimeError> {
     let mut lines = vec![up];
     if let Some(&transit) = day.sun.transits.first().filter(|_| day.sun.kind() != DayKind::PolarNight) {
         let altitude = almanac.seen(transit)?.sun.altitude_rad.to_degrees();
-        let length = duration_text(day.sun.day_length_s());
-        lines.push(format!("highest {altitude:.1}° at {}; {} up", shown(transit)?, &length[..length.len() - 5]));
+        let minutes = (day.sun.day_length_s() / 60.0).round() as u32;
+        let length = format!("{} h {:02} min", minutes / 60, minutes % 60);
+        lines.push(format!("highest {altitude:.1}° at {}; {length} up", shown(transit)?));
     }
     Ok(lines)
 }

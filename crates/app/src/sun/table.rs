@@ -70,7 +70,7 @@ fn events(almanac: &Almanac, day: &Day) -> Result<Vec<String>, TimeError> {
 }
 
 /// `12 h 18 min 47 s`.
-pub(super) fn duration_text(seconds: f64) -> String {
+fn duration_text(seconds: f64) -> String {
     let seconds = seconds.round() as u64;
     format!("{} h {:02} min {:02} s", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }

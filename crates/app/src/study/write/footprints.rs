@@ -8,6 +8,7 @@ use crate::study::results::Results;
 use crate::study::scene::When;
 
 /// What an object looks like from straight above.
+#[derive(Debug)]
 pub(super) struct Footprint {
     /// When it is there.
     pub(super) when: When,

@@ -21,13 +21,13 @@ const GDAL_NODATA: Tag = Tag::Unknown(42113);
 const STRIP_BYTES: usize = 1 << 16;
 
 /// A band of a grid.
-pub(super) struct Band<'a> {
-    pub(super) grid: GroundGrid,
+struct Band<'a> {
+    grid: GroundGrid,
     /// One for each cell; NaN where there is none.
-    pub(super) values: &'a [f32],
+    values: &'a [f32],
     /// What they are.
-    pub(super) description: &'static str,
-    pub(super) unit: &'static str,
+    description: &'static str,
+    unit: &'static str,
 }
 
 /// Writes the hours of sun on the ground in one state, if the ground was studied.
@@ -38,8 +38,17 @@ pub(super) fn write_hours(results: &Results, state: &State, folder: &mut Folder)
     write(results, &state.file_name("hours", "tif"), &band, folder)
 }
 
+/// Writes the hours after less those before, if there are both.
+pub(super) fn write_difference(results: &Results, folder: &mut Folder) -> anyhow::Result<()> {
+    let (Some((grid, range)), [before, after]) = (results.ground(), results.states.as_slice()) else { return Ok(()) };
+    let difference = |r: usize| before.hours(r).zip(after.hours(r)).map(|(before, after)| (after - before) as f32);
+    let values: Vec<f32> = range.map(|r| difference(r).unwrap_or(f32::NAN)).collect();
+    let description = "hours of sun after less before; negative is net new shadow";
+    write(results, "difference.tif", &Band { grid, values: &values, description, unit: "h" }, folder)
+}
+
 /// Writes a file of one band.
-pub(super) fn write(results: &Results, name: &str, band: &Band<'_>, folder: &mut Folder) -> anyhow::Result<()> {
+fn write(results: &Results, name: &str, band: &Band<'_>, folder: &mut Folder) -> anyhow::Result<()> {
     folder.write(name, |file| encode(results, band, file))
 }
 

@@ -1,41 +1,66 @@
 //! Plans of the ground: hours of sun, the shadow profile, and before, after and their difference.
 
+use std::collections::BTreeMap;
 use std::io::Write as _;
 
+use glam::DVec2;
 use image::ExtendedColorType::Rgba8;
+use umbrae_study::Outline;
 
-use super::footprints::{Footprint, footprints};
+use super::footprints::Footprint;
 use super::legend::{Item, ticks};
-use super::sheet::{Map, Picture, Sheet, line};
+use super::shadows_geojson::Shadows;
+use super::sheet::{Map, Picture, Sheet, fill, line};
 use crate::output::png;
 use crate::show::canvas::{Area, Canvas, Rgb};
-use crate::show::numbers::grouped;
+use crate::show::numbers::{counted, grouped};
 use crate::study::folder::Folder;
 use crate::study::results::{Results, State};
 use crate::study::scene::When;
 
 /// Inside of solids, where no one stands.
-const SOLID: Rgb = [206, 204, 200];
+pub(super) const SOLID: Rgb = [206, 204, 200];
 /// What a study that was stopped has not come to.
 const MISSING: Rgb = [244, 214, 224];
 const BUILT: Rgb = [60, 62, 66];
 const GOES: Rgb = [120, 120, 120];
 const COMES: Rgb = [176, 0, 32];
 
+/// Okabe and Ito's, which differ for all eyes, and three more.
+const OBJECT_COLORS: [Rgb; 10] = [
+    [0, 114, 178],
+    [230, 159, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [213, 94, 0],
+    [86, 180, 233],
+    [240, 228, 66],
+    [136, 34, 85],
+    [68, 68, 68],
+    [153, 153, 51],
+];
+const OTHER_OBJECTS: Rgb = [150, 150, 150];
+
 const COLORS: usize = 256;
 const LINE_WIDTH_PX: f64 = 2.0;
 
 /// A picture with its name.
+#[derive(Debug)]
 pub(super) struct NamedMap {
     pub(super) name: String,
     pub(super) title: String,
     pub(super) picture: Picture,
 }
 
-/// Draws all plans, and writes them; nothing where the ground was not studied.
-pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<Vec<NamedMap>> {
+/// Draws all plans, and writes them; nothing where the ground was not studied. With `shadows`, a profile in the colours of objects as well.
+pub(super) fn write(
+    results: &Results,
+    footprints: &[Footprint],
+    shadows: Option<&Shadows>,
+    folder: &mut Folder,
+) -> anyhow::Result<Vec<NamedMap>> {
     let Some((grid, _)) = results.ground() else { return Ok(Vec::new()) };
-    let plan = Plan { results, map: Map::usual(grid), footprints: footprints(results) };
+    let plan = Plan { results, map: Map::usual(grid), footprints };
     let mut maps = Vec::new();
     for state in &results.states {
         maps.push(plan.hours(state));
@@ -43,6 +68,9 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<Ve
     }
     if let [before, after] = results.states.as_slice() {
         maps.push(plan.difference(before, after));
+    }
+    if let (Some(shadows), Some(state)) = (shadows, results.last()) {
+        maps.push(plan.by_object(state, shadows));
     }
     for map in &maps {
         let bytes = png(&map.picture.rgba, map.picture.size_px, Rgba8)?;
@@ -55,7 +83,7 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<Ve
 struct Plan<'a> {
     results: &'a Results,
     map: Map,
-    footprints: Vec<Footprint>,
+    footprints: &'a [Footprint],
 }
 
 /// What a pixel shows.
@@ -139,6 +167,63 @@ impl Plan<'_> {
         )
     }
 
+    /// What each object shades at any step, in its own colour; those that shade most have names.
+    fn by_object(&self, state: &State, shadows: &Shadows) -> NamedMap {
+        let mut outlines: BTreeMap<&str, Vec<Outline>> = BTreeMap::new();
+        for (i, name) in shadows.names.iter().enumerate() {
+            outlines.entry(name).or_default().push(shadows.profile.object(i));
+        }
+        let mut named: Vec<(&str, Outline)> =
+            outlines.into_iter().map(|(name, parts)| (name, Outline::union(&parts))).collect();
+        named.sort_by(|(_, a), (_, b)| b.area_m2().total_cmp(&a.area_m2()));
+        let color = |i: usize| OBJECT_COLORS.get(i).copied().unwrap_or(OTHER_OBJECTS);
+        let mut legend = vec![Item::Heading("In shadow at any time, by what casts it".to_owned())];
+        for (i, (name, outline)) in named.iter().take(OBJECT_COLORS.len()).enumerate() {
+            let name = if name.is_empty() { "without a name" } else { name };
+            legend.push(Item::Area(color(i), format!("{name}: {} m\u{b2}", grouped(outline.area_m2().round() as u64))));
+        }
+        if named.len() > OBJECT_COLORS.len() {
+            legend.push(Item::Area(OTHER_OBJECTS, counted(named.len() - OBJECT_COLORS.len(), "other object")));
+        }
+        legend.push(Item::Gap);
+        legend.extend(self.plain_items());
+        let sheet = self.sheet("Shadow profile by object".to_owned(), legend);
+        let background = |cells: &mut dyn Iterator<Item = usize>| match mean(cells, state, &|cell| state.hours(cell)) {
+            Pixel::Value(_) => [255, 252, 240],
+            other => plain(other),
+        };
+        let picture = sheet.draw(&self.map, background, |canvas, area| {
+            // Those without a colour of their own lie below, then the largest, so that smaller ones are seen on it.
+            let (own, others) = named.split_at(named.len().min(OBJECT_COLORS.len()));
+            for (_, outline) in others {
+                self.fill_outline(canvas, area, outline, OTHER_OBJECTS, 0.25);
+            }
+            for (i, (_, outline)) in own.iter().enumerate() {
+                self.fill_outline(canvas, area, outline, color(i), 0.6);
+            }
+            self.draw_built(canvas, area, state);
+        });
+        NamedMap { name: state.file_name("profile_by_object", "png"), title: sheet.title, picture }
+    }
+
+    fn fill_outline(&self, canvas: &mut Canvas<'_>, area: Area, outline: &Outline, color: Rgb, opacity: f32) {
+        for polygon in &outline.polygons {
+            let on_map = |ring: &[DVec2]| ring.iter().map(|&p| self.map.place_px(p)).collect();
+            let rings: Vec<Vec<DVec2>> = polygon.rings().map(on_map).collect();
+            fill(canvas, area, &rings, color, opacity);
+        }
+    }
+
+    fn sheet(&self, title: String, legend: Vec<Item>) -> Sheet {
+        Sheet {
+            title,
+            lines: heading_lines(self.results),
+            legend,
+            notes: notes(self.results),
+            north_deg: self.results.site.north_deg,
+        }
+    }
+
     fn named(
         &self,
         name: String,
@@ -148,22 +233,16 @@ impl Plan<'_> {
         value: impl Fn(usize) -> Option<f64>,
         color: impl Fn(Pixel) -> Rgb,
     ) -> NamedMap {
-        let sheet = Sheet {
-            title: title.clone(),
-            lines: heading_lines(self.results),
-            legend,
-            notes: notes(self.results),
-            north_deg: self.results.site.north_deg,
-        };
+        let sheet = self.sheet(title, legend);
         let pixel = |cells: &mut dyn Iterator<Item = usize>| color(mean(cells, state, &value));
         let picture = sheet.draw(&self.map, pixel, |canvas, area| self.draw_built(canvas, area, state));
-        NamedMap { name, title, picture }
+        NamedMap { name, title: sheet.title, picture }
     }
 
     /// The outlines of what is there; of what comes and goes in colours of their own.
     fn draw_built(&self, canvas: &mut Canvas<'_>, area: Area, state: &State) {
         let is_difference = !state.name.is_empty();
-        for footprint in &self.footprints {
+        for footprint in self.footprints {
             let color = match (footprint.when, state.name) {
                 (When::Always, _) => BUILT,
                 (When::Before, "before") if is_difference => COMES,
@@ -248,7 +327,7 @@ pub(super) fn heading_lines(results: &Results) -> Vec<String> {
 
 /// How good it is and what made it, beside every picture.
 pub(super) fn notes(results: &Results) -> Vec<String> {
-    let [largest_s, _] = results.error_bounds_s();
+    let [largest_s, mean_s] = results.error_bounds_s();
     let step_s = results.timetable.steps.first().map_or(0.0, umbrae_study::Step::duration_s);
     let mut notes = Vec::new();
     if let Some((grid, _)) = results.ground() {
@@ -259,7 +338,8 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
         ));
     }
     notes.push(format!(
-        "Error bound of the hours at any point: {:.1} min or less, if no sun or shade shorter than a step was missed.",
+        "Error bound of the hours: {:.1} min on average, {:.1} min at the worst point, if no sun or shade shorter than a step was missed.",
+        mean_s / 60.0,
         largest_s / 60.0
     ));
     if let Some(check) = results.check {

@@ -11,8 +11,8 @@ pub(super) fn parameters(results: &Results) -> Vec<(&'static str, String)> {
     let [largest_error_s, mean_error_s] = results.error_bounds_s();
     let mut parameters = vec![
         ("SUBJECT", results.subject.clone()),
-        ("LATITUDE_DEG", format!("{:.6}", site.latitude_deg)),
-        ("LONGITUDE_DEG", format!("{:.6}", site.longitude_deg)),
+        ("LATITUDE_DEG", format!("{:.6}", site.place.latitude_deg())),
+        ("LONGITUDE_DEG", format!("{:.6}", site.place.longitude_deg())),
         ("PLACE_FROM", site.place_from.to_owned()),
         ("DATES", days_text(&results.timetable)),
         ("HOURS_OF_DAY", hours_text(&results.timetable)),

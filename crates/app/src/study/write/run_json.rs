@@ -5,6 +5,7 @@ use std::io::Write as _;
 use serde_json::{Map, Value, json};
 
 use super::parameters::parameters;
+use crate::model::{LoadedFile, format_name};
 use crate::study::folder::Folder;
 use crate::study::results::Results;
 
@@ -18,6 +19,7 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<()
         .map(|group| json!({ "name": group.name, "on": super::receivers_csv::on(group), "receivers": group.range.len() }))
         .collect();
     let run = json!({
+        "models": results.models.files.iter().map(model).collect::<Vec<_>>(),
         "software": concat!("umbrae ", env!("CARGO_PKG_VERSION")),
         "partial": results.is_partial,
         "inputs": results.inputs,
@@ -34,6 +36,7 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<()
         "undecided_verdicts": sums().map(|sum| u64::from(sum.undecided)).sum::<u64>(),
         "error_bound_s": { "largest": error_largest_s, "mean": error_mean_s },
         "check": results.check,
+        "verdicts": results.verdicts,
         "timings": results.timings,
         "threads": rayon::current_num_threads(),
         "warnings": results.warnings,
@@ -41,4 +44,14 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<()
     });
     let text = serde_json::to_string_pretty(&run)?;
     folder.write("run.json", |file| Ok(writeln!(file, "{text}")?))
+}
+
+fn model(file: &LoadedFile) -> Value {
+    json!({
+        "path": file.path,
+        "format": format_name(file.format),
+        "crs": file.crs.as_ref().map(|crs| format!("EPSG:{}", crs.epsg())),
+        "source_crs": file.source_crs.as_ref().map(|crs| format!("EPSG:{}", crs.epsg())),
+        "warnings": file.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
 }
