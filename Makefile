@@ -14,7 +14,7 @@ SUNS := morning:105,28 noon:180,52 evening:262,18 # name:azimuth,altitude in deg
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: setup ## render two sample scenes under three suns each, to out/
+demo: setup ## render two sample scenes under three suns each, and study the sun of one, to out/
 	cargo build --release --package umbrae
 	@mkdir -p out
 	@set -e; for scene in $(SCENES); do \
@@ -24,7 +24,8 @@ demo: setup ## render two sample scenes under three suns each, to out/
 			$(UMBRAE) render out/$$scene.glb --sun $${sun#*:} -o out/$$scene-$${sun%:*}.png; \
 		done; \
 	done
-	@printf '\nOpen these pictures:\n'
+	$(UMBRAE) study out/town.glb --lat 48.2 --lon 16.37 --date 2026-09-18 --from 09:00 --to 17:00 -o out/town-sun
+	@printf '\nOpen this report: out/town-sun/report.html\nAnd these pictures:\n'
 	@for scene in $(SCENES); do for sun in $(SUNS); do echo "  out/$$scene-$${sun%:*}.png"; done; done
 
 # The tests come last, so that a run ends with how many there were.

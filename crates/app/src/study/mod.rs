@@ -224,7 +224,7 @@ fn judge_all(
             results.is_partial = true;
             break;
         };
-        talk.note(&format!("{}: {}", rule.title, verdict.text));
+        talk.note(&verdict.text);
         results.verdicts.push(verdict);
     }
     results.timings.rules_s = seconds_since(start);
