@@ -13,7 +13,15 @@ use umbrae_formats::{Format, LoadOptions, UpAxis, load_bytes};
 
 fuzz_target!(|data: &[u8]| {
     let Some((&choice, bytes)) = data.split_first() else { return };
-    let format = [Format::Gltf, Format::Obj, Format::Ply, Format::Stl][usize::from(choice % 4)];
-    let up = [None, Some(UpAxis::Y), Some(UpAxis::Z)][usize::from(choice / 4 % 3)];
+    let format = [
+        Format::CityJson,
+        Format::GeoJson,
+        Format::GeoTiff,
+        Format::Gltf,
+        Format::Obj,
+        Format::Ply,
+        Format::Stl,
+    ][usize::from(choice % 7)];
+    let up = [None, Some(UpAxis::Y), Some(UpAxis::Z)][usize::from(choice / 7 % 3)];
     let _ = load_bytes(bytes, format, "fuzz", None, &LoadOptions { up, ..LoadOptions::default() });
 });

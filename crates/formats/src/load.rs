@@ -60,9 +60,18 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     if !fs::metadata(path).map_err(read_error)?.is_file() {
         return Err(LoadError::NotAFile { path: path.to_owned() });
     }
-    let format = Format::of_path(path).ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
+    let format = Format::of_path(path).ok_or_else(|| unknown_format(path))?;
     let bytes = fs::read(path).map_err(read_error)?;
     load_bytes(&bytes, format, &path.display().to_string(), path.parent(), options)
+}
+
+/// Why there is no format for the name of a file.
+fn unknown_format(path: &Path) -> LoadError {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("gml" | "citygml" | "xml") => LoadError::CityGml { path: path.to_owned() },
+        _ => LoadError::UnknownFormat { path: path.to_owned() },
+    }
 }
 
 /// Loads the model in `bytes`, the content of a file of this `format`.
@@ -110,7 +119,10 @@ fn other_format(bytes: &[u8], format: Format) -> Option<String> {
     if bytes.is_empty() {
         return Some("the file is empty (0 bytes)".to_owned());
     }
-    let magics: [(&[u8], &str, Option<Format>); 6] = [
+    let magics: [(&[u8], &str, Option<Format>); 9] = [
+        (b"II*\0", "a .tif file", Some(Format::GeoTiff)),
+        (b"MM\0*", "a .tif file", Some(Format::GeoTiff)),
+        (b"II+\0", "a .tif file", Some(Format::GeoTiff)),
         (b"glTF", "a .glb file", Some(Format::Gltf)),
         (b"ply\n", "a .ply file", Some(Format::Ply)),
         (b"ply\r", "a .ply file", Some(Format::Ply)),
@@ -154,6 +166,31 @@ mod tests {
         let drawing = folder.path().join("model.dwg");
         fs::write(&drawing, "AC1032").expect("a file in it");
         let error = load(&drawing, &options).expect_err("we don't read drawings");
+        let city = folder.path().join("city.gml");
+        fs::write(&city, "<CityModel/>").expect("a file in it");
+        let no_xml = load(&city, &options).expect_err("we don't read XML").to_string();
+        assert!(
+            no_xml.ends_with(
+                "city.gml: CityGML can't be read; convert it to CityJSON, as with citygml-tools to-cityjson"
+            ),
+            "{no_xml}"
+        );
         assert!(error.to_string().ends_with(".city.json, .city.jsonl, .json, .geojson, .tif or .tiff"), "{error}");
+    }
+
+    #[test]
+    fn a_mesh_is_in_the_system_that_the_user_names_if_that_is_in_metres() {
+        let obj = b"v 92000 437000 0\nv 92004 437000 0\nv 92004 437003 0\nf 1 2 3\n";
+        let load = |crs, into| {
+            let [crs, into] =
+                [crs, into].map(|epsg: Option<u32>| epsg.map(|epsg| Crs::from_epsg(epsg).expect("known")));
+            let options = LoadOptions { up: Some(UpAxis::Z), crs, into, ..LoadOptions::default() };
+            load_bytes(obj, Format::Obj, "house.obj", None, &options)
+        };
+        assert!(load(None, Some(28992)).expect("good").crs.is_none(), "nobody says so");
+        assert_eq!(load(Some(28992), Some(7415)).expect("good").crs.map(|crs| crs.epsg()), Some(28992));
+        let error = |crs, into| load(crs, into).expect_err("it can't be there").to_string();
+        assert!(error(Some(4326), None).contains("those are degrees; name a projected system"));
+        assert!(error(Some(28992), Some(25832)).contains("the models before it are in EPSG:25832"));
     }
 }

@@ -9,7 +9,12 @@ use std::time::{Duration, Instant};
 use umbrae_formats::{Format, LoadError, LoadOptions, Model, load_bytes};
 
 /// Small files of every format and encoding.
-const VICTIMS: [&str; 23] = [
+const VICTIMS: [&str; 28] = [
+    "city/building_with_innerring.city.json",
+    "city/geometry_template_lod3.json",
+    "city/multi_lod.json",
+    "city/paris_tower.city.jsonl",
+    "city/twobuildings.city.json",
     "gltf/AnimatedMorphCube.glb",
     "gltf/Box-embedded.gltf",
     "gltf/BoxAnimated.glb",
@@ -127,6 +132,51 @@ fn damaged_files_load_or_fail_but_never_panic() {
                         let message = error.to_string();
                         assert!(!message.contains('\n') && message.len() < 2000, "{file}: {message}");
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Houses with a courtyard, in a bow and in a collection, in degrees.
+const FOOTPRINTS: &str = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:OGC:1.3:CRS84"}},
+    "features":[{"type":"Feature","id":7,"properties":{"height":12,"min_height":3},"geometry":{"type":"Polygon","coordinates":[
+    [[16.37,48.2],[16.371,48.2],[16.371,48.201],[16.37,48.201],[16.37,48.2]],
+    [[16.3703,48.2003],[16.3707,48.2003],[16.3707,48.2007],[16.3703,48.2007],[16.3703,48.2003]]]}},
+    {"type":"Feature","properties":{"levels":"4"},"geometry":{"type":"MultiPolygon","coordinates":[[[[16.372,48.2],[16.373,48.201],
+    [16.373,48.2],[16.372,48.201],[16.372,48.2]]]]}},{"properties":{"height":"40 ft"},"geometry":{"type":"GeometryCollection",
+    "geometries":[{"type":"Polygon","coordinates":[[[16.375,48.2,7],[16.376,48.2,7],[16.376,48.201,7]]]}]}}]}"#;
+
+/// A hill of 6 by 5 samples in half metres of RD New, as plain TIFF.
+fn hill() -> Vec<u8> {
+    use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+    use tiff::tags::Tag;
+
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).expect("memory takes it");
+    let mut image = encoder.new_image::<Gray32Float>(6, 5).expect("a good size");
+    let keys: [u16; 12] = [1, 1, 0, 2, 1025, 0, 1, 1, 3072, 0, 1, 28992];
+    image.encoder().write_tag(Tag::ModelPixelScaleTag, [0.5, 0.5, 0.0_f64].as_slice()).expect("memory takes it");
+    let tie = [0.0, 0.0, 0.0, 92_000.0, 437_000.0, 0.0_f64];
+    image.encoder().write_tag(Tag::ModelTiepointTag, tie.as_slice()).expect("memory takes it");
+    image.encoder().write_tag(Tag::GeoKeyDirectoryTag, keys.as_slice()).expect("memory takes it");
+    image.encoder().write_tag(Tag::GdalNodata, "-9999").expect("memory takes it");
+    let samples: Vec<f32> = (0..30).map(|i| (i % 7) as f32).collect();
+    image.write_data(&samples).expect("memory takes it");
+    bytes.into_inner()
+}
+
+#[test]
+fn damaged_footprints_and_hills_load_or_fail_but_never_panic() {
+    let mut random = Random(99);
+    for (bytes, format) in [(FOOTPRINTS.as_bytes().to_vec(), Format::GeoJson), (hill(), Format::GeoTiff)] {
+        read(&bytes, format, None).expect("a good file");
+        for _ in 0..4 * ROUNDS {
+            let cut_off = bytes[..random.below(bytes.len())].to_vec();
+            for damaged in [cut_off, flipped(&bytes, &mut random), renumbered(&bytes, &mut random)] {
+                if let Err(error) = read(&damaged, format, None) {
+                    let message = error.to_string();
+                    assert!(!message.contains('\n') && message.len() < 2000, "{message}");
                 }
             }
         }

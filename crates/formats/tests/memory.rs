@@ -91,12 +91,56 @@ fn obj(head: &str, line: &str, count: usize) -> Vec<u8> {
     [head.as_bytes(), line.repeat(count).as_bytes()].concat()
 }
 
+fn city(parts: &str) -> Vec<u8> {
+    format!(r#"{{"type":"CityJSON","version":"2.0",{parts}}}"#).into_bytes()
+}
+
+/// One city object with these surfaces.
+fn surfaces(list: &str) -> Vec<u8> {
+    city(&format!(
+        r#""vertices":[[0,0,0],[1,0,0],[0,1,0]],"CityObjects":{{"":{{"type":"","geometry":[{{"type":"MultiSurface","boundaries":[{list}]}}]}}}}"#
+    ))
+}
+
+fn features(list: &str) -> Vec<u8> {
+    format!(r#"{{"type":"FeatureCollection","features":[{list}]}}"#).into_bytes()
+}
+
 const THREE: &str = "v 1 2 3\nv 2 3 4\nv 1 1 1\n";
 
 /// A name, a format and how to make the bytes.
 type Case = (&'static str, Format, fn() -> Vec<u8>);
 
-const CASES: [Case; 23] = [
+const CASES: [Case; 33] = [
+    ("vertices of a city", Format::CityJson, || city(&format!(r#""vertices":[{}]"#, list("[0,0,0]", 400_000)))),
+    ("city objects of nothing", Format::CityJson, || {
+        let objects: String = (0..100_000).map(|i| format!(r#""{i}":{{"type":""}},"#)).collect();
+        city(&format!(r#""CityObjects":{{{}}}"#, objects.trim_end_matches(',')))
+    }),
+    ("city objects of one surface", Format::CityJson, || {
+        let objects: String = (0..40_000)
+            .map(|i| format!(r#""{i}":{{"type":"","geometry":[{{"type":"MultiSurface","boundaries":[[[0,1,2]]]}}]}},"#))
+            .collect();
+        city(&format!(r#""vertices":[[0,0,0],[1,0,0],[0,1,0]],"CityObjects":{{{}}}"#, objects.trim_end_matches(',')))
+    }),
+    ("surfaces of nothing", Format::CityJson, || surfaces(&list("[]", 1_000_000))),
+    ("surfaces of three corners", Format::CityJson, || surfaces(&list("[[0,1,2]]", 400_000))),
+    ("a surface of one corner and another", Format::CityJson, || surfaces(&format!("[[{}]]", list("0,1", 500_000)))),
+    ("features of nothing", Format::GeoJson, || features(&list("{}", 1_000_000))),
+    ("properties of nothing", Format::GeoJson, || {
+        features(&format!(r#"{{"properties":{{{}}}}}"#, list(r#""":0"#, 500_000)))
+    }),
+    ("footprints of three corners", Format::GeoJson, || {
+        let footprint =
+            r#"{"properties":{"height":1},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1e-4,0],[0,1e-4]]]}}"#;
+        features(&list(footprint, 20_000))
+    }),
+    ("a footprint of many corners", Format::GeoJson, || {
+        let ring = list("[0,0],[1e-4,0],[0,1e-4]", 100_000);
+        features(&format!(
+            r#"{{"properties":{{"height":1}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}"#
+        ))
+    }),
     ("nodes of nothing", Format::Gltf, || gltf(&format!(r#""nodes":[{}]"#, list("{}", 1_000_000)))),
     ("materials of nothing", Format::Gltf, || gltf(&format!(r#""materials":[{}]"#, list("{}", 1_000_000)))),
     ("meshes of nothing", Format::Gltf, || gltf(&format!(r#""meshes":[{}]"#, list("{}", 1_000_000)))),

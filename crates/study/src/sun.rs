@@ -56,7 +56,7 @@ pub enum Refraction {
 impl Sun {
     /// The middle of the sun's disc at `time`.
     ///
-    /// Takes some ten microseconds; [`crate::SunPath`] is a hundred times as fast where many moments of few days are asked for. At a pole
+    /// Takes some 10 microseconds; [`crate::SunPath`] is fifty times as fast where many moments of few days are asked for. At a pole
     /// azimuths are what they are on the meridian of the place's longitude.
     ///
     /// # Errors

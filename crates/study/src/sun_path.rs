@@ -17,7 +17,7 @@ const KNOT: SignedDuration = SignedDuration::from_secs(KNOT_S as i64);
 /// The middle of a sun whose upper edge is on the horizon; lower than this the algorithm bends no light.
 const LOWEST_BENT_DEG: f64 = -(0.26667 + 0.5667);
 
-/// The sun at any moment between two, some hundred times as fast as [`Sun::at`] and within 1e-8 radians of it (less than 1 ms of the sun's way).
+/// The sun at any moment between two, some fifty times as fast as [`Sun::at`] (0.26 microseconds against 14) and within 1e-8 radians of it (less than 1 ms of the sun's way).
 ///
 /// ```
 /// use umbrae_study::{Place, Sun, SunOptions, SunPath};
@@ -41,7 +41,7 @@ pub struct SunPath {
 }
 
 impl SunPath {
-    /// Calculates the sun every four minutes from `start` to `end`: some 4 ms for a day, and 12 KB.
+    /// Calculates the sun every four minutes from `start` to `end`: some 2 to 4 ms for a day, and 12 KB.
     ///
     /// # Errors
     ///

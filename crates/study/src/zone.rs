@@ -54,11 +54,13 @@ impl Zone {
         };
         let of_city = || {
             let names: Vec<String> = database.available().map(|known| known.to_string()).collect();
-            let mut ends = names.iter().filter(|known| {
-                known
-                    .rsplit_once('/')
-                    .is_some_and(|(_, city)| city.replace('_', " ").eq_ignore_ascii_case(&name.replace('_', " ")))
-            });
+            // GMT+3 is no city: Etc/GMT+3 is three hours behind, which is not what it would be typed for.
+            let is_city = |known: &str| {
+                let city =
+                    known.split_once('/').filter(|(area, _)| *area != "Etc").and_then(|_| known.rsplit('/').next());
+                city.is_some_and(|city| city.replace('_', " ").eq_ignore_ascii_case(&name.replace('_', " ")))
+            };
+            let mut ends = names.iter().filter(|known| is_city(known));
             ends.next().filter(|_| ends.next().is_none()).and_then(|only| known(only))
         };
         known(name).or_else(of_city).ok_or_else(|| TimeError::UnknownZone { name: name.to_owned(), near: near(name) })
@@ -163,6 +165,7 @@ fn near(name: &str) -> Vec<String> {
     let known = TimeZoneDatabase::bundled();
     let mut names: Vec<(f64, String)> = known
         .available()
+        .filter(|known| !known.as_str().starts_with("Etc/"))
         .map(|known| (likeness(known.as_str()), known.to_string()))
         .filter(|(likeness, _)| *likeness >= LEAST_SIMILARITY)
         .collect();
@@ -204,5 +207,6 @@ mod tests {
         assert_eq!(near("Europe/Wienna")[0], "Europe/Vienna");
         assert!(near("Mars/Olympus_Mons").len() <= MOST_SUGGESTIONS);
         assert!(near("").is_empty());
+        assert!(near("GMT+3").iter().all(|name| !name.contains("GMT+3")), "it would be three hours behind");
     }
 }

@@ -32,7 +32,7 @@ pub struct PlaceArgs {
     pub lon: Option<f64>,
 
     /// Whose clocks and calendar are meant: a name of the IANA database such as Europe/Vienna, or an offset such as +01:00 that never
-    /// changes (default: that of the place)
+    /// changes (default: that of the place, by the borders of OpenStreetMap and its contributors)
     #[arg(long, value_name = "ZONE", value_parser = Zone::named, allow_hyphen_values = true)]
     pub tz: Option<Zone>,
 }

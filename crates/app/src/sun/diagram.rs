@@ -24,7 +24,7 @@ const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 const DASHES: [&str; 3] = ["12 4", "6 3 1.5 3", "2 3"];
 /// From the middle of a letter to the line that it stands on, of its size: not every viewer can centre text.
 const HALF_LETTER: f64 = 0.36;
-/// From an hour's line to its name.
+/// From the end of an hour's line to its name.
 const HOUR_NAME_PX: f64 = 14.0;
 /// Points of a way are so far apart.
 const APART: SignedDuration = SignedDuration::from_mins(3);
@@ -158,29 +158,22 @@ fn hours(almanac: &Almanac, svg: &mut String) -> Result<(), TimeError> {
     let new_year = Date::new(first.local.date.year(), 1, 1).unwrap_or(first.local.date);
     let dates = (0..=365 / DAYS_APART).map(|i| new_year.saturating_add((i * DAYS_APART).days()));
     let dates: Vec<Date> = dates.chain([new_year]).collect();
+    let south = almanac.place.latitude_deg() < 0.0;
+    let [equinox, summer] =
+        [new_year.saturating_add(79.days()), new_year.saturating_add(if south { 354 } else { 171 }.days())];
     for hour in 0..24 {
-        let mut line: Vec<Option<[f64; 2]>> = Vec::new();
-        let mut highest: Option<Sun> = None;
-        for &date in &dates {
-            let sun = Sun::at(&almanac.place, moment(almanac, first, date, hour)?, &almanac.options)?;
-            line.push((sun.altitude_rad > 0.0).then(|| at(sun)));
-            if highest.is_none_or(|highest| highest.altitude_rad < sun.altitude_rad) {
-                highest = Some(sun);
-            }
+        let sun = |date: Date| Sun::at(&almanac.place, moment(almanac, first, date, hour)?, &almanac.options);
+        let suns: Vec<Sun> = dates.iter().map(|&date| sun(date)).collect::<Result<_, TimeError>>()?;
+        for piece in suns.split(|sun| sun.altitude_rad <= 0.0) {
+            let points: Vec<[f64; 2]> = piece.iter().copied().map(at).collect();
+            draw_line(svg, &points, "stroke=\"#b0b0a8\" stroke-width=\"1\"");
         }
-        for piece in line.split(Option::is_none).filter(|piece| piece.len() > 1) {
-            draw_line(
-                svg,
-                &piece.iter().flatten().copied().collect::<Vec<_>>(),
-                "stroke=\"#b0b0a8\" stroke-width=\"1\"",
-            );
-        }
-        // The name is where the hour's sun is highest, a little nearer to the zenith.
-        if let Some(sun) = highest.filter(|sun| sun.altitude_rad > 0.0) {
-            let [x, y] = at(sun);
-            let radius = (x - MIDDLE[0]).hypot(y - MIDDLE[1]).max(1.0);
-            let nearer = 1.0 - HOUR_NAME_PX / radius;
-            let name_at = [MIDDLE[0] + (x - MIDDLE[0]) * nearer, MIDDLE[1] + (y - MIDDLE[1]) * nearer];
+        // The name is beyond the end that the line has in summer.
+        let end = sun(summer)?;
+        if end.altitude_rad > 0.0 {
+            let ([x, y], [from_x, from_y]) = (at(end), at(sun(equinox)?));
+            let away = HOUR_NAME_PX / (x - from_x).hypot(y - from_y).max(1.0);
+            let name_at = [x + (x - from_x) * away, y + (y - from_y) * away];
             text(svg, name_at, &hour.to_string(), "font-size=\"12\" fill=\"#505050\"");
         }
     }

@@ -22,7 +22,12 @@ pub(super) struct City {
     pub(super) template_vertices: Vec<DVec3>,
     /// What its coordinates are in.
     pub(super) said: Said,
+    /// How many vertices have a coordinate that stands for none.
+    pub(super) unknown: usize,
 }
+
+/// The least whole number of 32 bits, which some programs write for a height that they do not know.
+const UNKNOWN: f64 = i32::MIN as f64;
 
 /// A city object, and the vertices that its indices count from.
 #[derive(Debug)]
@@ -78,6 +83,7 @@ impl City {
         let identity = Transform { scale: [1.0; 3], translate: [0.0; 3] };
         let Transform { scale, translate } = document.transform.or(transform).unwrap_or(identity);
         let [scale, translate] = [scale, translate].map(DVec3::from);
+        self.unknown += document.vertices.iter().filter(|vertex| vertex.contains(&UNKNOWN)).count();
         self.vertices.extend(document.vertices.into_iter().map(|v| DVec3::from(v) * scale + translate));
         let vertices = first..self.vertices.len();
         let placed = |(id, object)| Placed { id, object, vertices: vertices.clone() };

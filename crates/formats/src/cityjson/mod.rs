@@ -38,6 +38,11 @@ use shape::{Shaper, Source};
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
     let mut warnings = Warnings::default();
     let mut city = City::read(bytes)?;
+    let words = [
+        "vertex has a coordinate of -2147483648, which some programs write for an unknown height; it was believed",
+        "vertices have a coordinate of -2147483648, which some programs write for an unknown height; they were believed",
+    ];
+    warnings.add(city.unknown, words);
     let choices = choice::choose(&city, context.options.lod.as_deref(), &mut warnings)?;
     let georeference = place(&mut city, &choices, context, &mut warnings)?;
     let used = choices.iter().flat_map(|choice| city.vertices_of(choice)).map(|v| city.vertices[v]);

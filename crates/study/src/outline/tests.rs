@@ -294,6 +294,24 @@ fn rings_balls_and_bars_in_any_attitude_agree_with_rays() {
 }
 
 #[test]
+fn many_bodies_in_one_object_keep_the_holes_of_each() {
+    // Each hole's border is a loop of its own, which alone would be filled.
+    let pair = |i: u8| {
+        let at = Vec3::new(50.0 * f32::from(i % 6), 50.0 * f32::from(i / 6), 0.0);
+        let corner = at + Vec3::new(20.0, 20.0, 10.0);
+        let ring = shapes::transformed(courtyard(10.0), Affine3A::from_translation(at));
+        shapes::joined([ring, shapes::cuboid(corner, corner + 2.0)])
+    };
+    let many = caster(shapes::joined((0..36).map(pair)));
+    let sun = DVec3::new(0.0, -1.0, 2.0);
+    let outline = Projection::new(std::slice::from_ref(&many), 0.0).outline(0, sun).expect("the sun is up");
+    assert_well_formed(&outline);
+    assert_eq!(outline.polygons.iter().map(|polygon| polygon.holes.len()).sum::<usize>(), 36);
+    assert_near(outline.area_m2(), union_of_triangles(&many, 0.0, sun).area_m2(), 1e-9);
+    assert_agrees_with_rays(&outline, &many, 0.0, sun, 100);
+}
+
+#[test]
 fn net_new_shadow_is_what_only_the_proposal_casts() {
     let sun = DVec3::new(0.0, -1.0, 1.0);
     let existing = shadow(cuboid([0.0, 0.0, 0.0], [10.0, 10.0, 10.0]), sun);
