@@ -45,7 +45,7 @@ impl Sum {
 
     /// As it is kept between runs.
     pub(crate) fn to_bytes(self) -> [u8; SUM_BYTES] {
-        let [first, last] = self.first_last.map_or([0; 2], |both| both.map(|t| t.as_millisecond()));
+        let [first, last] = self.first_last.map_or([0; 2], |both| both.map(Timestamp::as_millisecond));
         let mut bytes = [0; SUM_BYTES];
         bytes[0] = if self.first_last.is_some() { PRESENT | LIT } else { PRESENT };
         bytes[1..9].copy_from_slice(&self.lit_s.to_le_bytes());
