@@ -38,7 +38,11 @@ fn assert_well_formed(outline: &Outline) {
         assert!(signed_area_m2(&polygon.exterior) > 0.0, "exteriors are counter-clockwise");
         assert!(polygon.holes.iter().all(|hole| signed_area_m2(hole) < 0.0), "holes are clockwise");
         for ring in polygon.rings() {
-            assert!(ring.len() >= 3 && ring_edges(ring).all(|[a, b]| a != b), "{ring:?}");
+            assert!(ring.len() >= 3, "{ring:?}");
+            let mut points: Vec<[u64; 2]> = ring.iter().map(|p| [p.x, p.y].map(f64::to_bits)).collect();
+            points.sort_unstable();
+            points.dedup();
+            assert_eq!(points.len(), ring.len(), "no ring touches itself: {ring:?}");
         }
     }
     let edges: Vec<[DVec2; 2]> = outline.rings().flat_map(ring_edges).collect();
@@ -340,6 +344,29 @@ fn slivers_between_neighbours_that_should_touch_are_not_reported() {
     assert_eq!(with_gap.polygons[0].holes.len(), 1, "a millimetre is no rounding");
     assert!(shape(1e-3).minus(&shape(gap)).is_empty());
     assert!(!left.minus(&Outline::rectangle(DVec2::ZERO, DVec2::new(10.0, 9.999))).is_empty());
+}
+
+#[test]
+fn a_hole_that_touches_the_outside_in_a_corner_is_a_hole() {
+    // Nine cells without that in the middle and one in a corner.
+    let cells = (0..9_u8).filter(|&i| i != 4 && i != 8).map(|i| {
+        let low = DVec2::new(f64::from(i % 3), f64::from(i / 3));
+        Outline::rectangle(low, low + 1.0)
+    });
+    let outline = Outline::union(&cells.collect::<Vec<_>>());
+    assert_well_formed(&outline);
+    assert_eq!((outline.polygons.len(), outline.polygons[0].holes.len(), outline.area_m2()), (1, 1, 7.0));
+}
+
+#[test]
+fn an_island_in_a_hole_that_is_a_sliver_is_not_counted_twice() {
+    let ring = |corners: &[[f64; 2]]| -> Vec<DVec2> { corners.iter().map(|&p| DVec2::from(p)).collect() };
+    let ground = ring(&[[-1.0, -1.0], [11.0, -1.0], [11.0, 1.0], [-1.0, 1.0]]);
+    // Ten metres long and a ten-thousandth of a millimetre wide, with a widening of a millimetre in which the island is.
+    let hole = ring(&[[0.0, 0.0], [5.0, 1e-7], [5.0, 1e-3], [5.001, 1e-3], [5.001, 1e-7], [10.0, 0.0]]);
+    let island = ring(&[[5.0002, 2e-4], [5.0008, 2e-4], [5.0008, 8e-4], [5.0002, 8e-4]]);
+    let outline = boolean::filled(&[ground, hole, island]);
+    assert_eq!(outline, Outline::rectangle(DVec2::new(-1.0, -1.0), DVec2::new(11.0, 1.0)));
 }
 
 #[test]
