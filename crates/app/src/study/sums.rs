@@ -30,7 +30,8 @@ impl Sum {
     pub(crate) fn new(hours: &SunHours, undecided: u32) -> Self {
         let first_last = hours.intervals.first().zip(hours.intervals.last());
         Self {
-            lit_s: hours.total_s(),
+            // No sun is 0, and not -0, which a sum of nothing is.
+            lit_s: hours.total_s() + 0.0,
             error_s: hours.error_bound_s as f32,
             longest_s: hours.longest_s() as f32,
             first_last: first_last.map(|(first, last)| [first.start, last.end]),

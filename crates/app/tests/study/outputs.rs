@@ -61,6 +61,7 @@ fn the_grid_of_the_tiff_is_that_of_the_table() {
         assert!((middle[0] - row.number("x")).abs() < 1e-3 && (middle[1] - row.number("y")).abs() < 1e-3, "{row:?}");
         let hours = row.number("hours") as f32;
         assert_eq!(hours.to_bits(), value.to_bits(), "{row:?}");
+        assert!(!row.text("hours").starts_with('-'), "no sun is 0 and not -0: {row:?}");
         inside += usize::from(row.text("note") == "inside a solid");
         assert_eq!(value.is_nan(), row.text("note") == "inside a solid");
     }
