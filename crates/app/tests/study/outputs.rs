@@ -240,3 +240,13 @@ fn points_keep_their_names_and_face_where_they_are_said_to() {
     assert_eq!((rows[2].text("id"), rows[2].text("note")), ("in, side", "inside a solid"));
     assert!(told[2].1.is_nan());
 }
+
+#[test]
+fn what_does_not_cast_takes_no_sun() {
+    let place = Place::new();
+    let study = slab(&place, "s", "--spacing 2 --no-cast slab");
+    assert!(study.rows().iter().filter(|row| row.text("note").is_empty()).all(|row| row.number("hours") == 8.0));
+    let run = study.json("run.json");
+    assert_eq!(run["warnings"][0], "nothing casts a shadow");
+    assert_eq!(run["options"]["no_cast"][0], "slab");
+}
