@@ -44,6 +44,11 @@ impl Pattern {
         Ok(Self { text: text.to_owned(), matcher: WildMatch::new(&text.to_lowercase()) })
     }
 
+    /// As it was typed.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Whether it is the name of `object` or of `material`. Something without a name is matched by `*` alone.
     fn is_of(&self, object: &Object, material: &Material) -> bool {
         self.is_name(&object.name) || self.is_name(&material.name)

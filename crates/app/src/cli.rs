@@ -59,11 +59,13 @@ Try this:
   umbrae sample town -o town.glb
   umbrae render town.glb -o town.png --sun 200,25 --verify
   umbrae inspect town.glb
+  umbrae study town.glb --lat 48.2 --lon 16.37 --date 2026-09-18 -o town-sun
 
 Exit codes:
   0  all went well
-  1  --verify found wrong pixels
-  2  the input or the machine can't be used, and nothing was written";
+  1  --verify found wrong pixels, or --check wrong verdicts
+  2  the input or the machine can't be used, and nothing was written
+  130  stopped by Ctrl-C; what was finished is written";
 
 /// When to use colour; every message makes sense without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

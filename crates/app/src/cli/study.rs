@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{LoadArgs, PeriodArgs, PlaceArgs};
+use crate::cast::{CastChoice, Pattern};
 use crate::parse::metres;
 
 /// What receivers stand on.
@@ -52,6 +53,18 @@ pub struct StudyArgs {
     /// A model of what is there after; may be repeated
     #[arg(long, value_name = "MODEL", help_heading = "Before and after")]
     pub proposed: Vec<PathBuf>,
+
+    /// Only these cast shadows: names of objects or materials, separated by commas, in which * stands for anything and ? for one character
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Who casts")]
+    pub cast: Vec<Pattern>,
+
+    /// These cast no shadow, even if --cast names them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = Pattern::new, help_heading = "Who casts")]
+    pub no_cast: Vec<Pattern>,
+
+    /// Let glass cast like anything else
+    #[arg(long, help_heading = "Who casts")]
+    pub glass_casts: bool,
 
     /// What receivers stand on; with --points, the default is nothing else
     #[arg(long, value_name = "WHAT", value_delimiter = ',', help_heading = "Receivers")]
@@ -105,6 +118,13 @@ pub struct StudyArgs {
     /// How models are read.
     #[command(flatten)]
     pub load: LoadArgs,
+}
+
+impl StudyArgs {
+    /// Who casts.
+    pub fn cast_choice(&self) -> CastChoice {
+        CastChoice { cast: self.cast.clone(), no_cast: self.no_cast.clone(), glass_casts: self.glass_casts }
+    }
 }
 
 fn north_deg(text: &str) -> Result<f64, String> {

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
 use super::results::{Input, Results};
+use crate::cast::Pattern;
 use crate::cli::StudyArgs;
 
 /// Bytes that are read at once.
@@ -49,6 +50,9 @@ pub(super) fn options(args: &StudyArgs) -> Value {
     json!({
         "spacing": args.spacing,
         "on": args.on.iter().map(|on| on.name()).collect::<Vec<_>>(),
+        "cast": args.cast.iter().map(Pattern::text).collect::<Vec<_>>(),
+        "no_cast": args.no_cast.iter().map(Pattern::text).collect::<Vec<_>>(),
+        "glass_casts": args.glass_casts,
         "check": args.check,
         "dates": args.period.all_dates().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "geometric": args.period.geometric,

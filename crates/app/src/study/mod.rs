@@ -1,7 +1,7 @@
 //! `umbrae study`: models, a place and a period into hours of sun, shadow profiles and a report. Needs no graphics driver.
 //!
-//! [`run`] is the table of contents. Blocks of receivers go through the engine one after the other ([`tiles`]), their bits and
-//! sums into files; everything else is written from those ([`results`], [`write`]).
+//! [`run`] is the table of contents. Blocks of receivers go through the engine one after the other (`tiles`), their bits and
+//! sums into files; everything else is written from those (`results`, `write`).
 
 mod cancel;
 mod check;
@@ -224,7 +224,7 @@ fn judge_all(
             results.is_partial = true;
             break;
         };
-        talk.note(&format!("{}: {}", rule.title, verdict.text));
+        talk.note(&verdict.text);
         results.verdicts.push(verdict);
     }
     results.timings.rules_s = seconds_since(start);

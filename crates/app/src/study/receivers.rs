@@ -103,14 +103,14 @@ fn usual_spacing(area: &Bounds) -> f64 {
     nice_above((size.x * size.y / USUAL_CELLS).sqrt())
 }
 
-/// The next of 1, 2, 5, 10, 20, … and their tenths from `value` on.
+/// The next of 1, 1.5, 2, 3, 4, 5, 7.5, 10, 15, … and their tenths from `value` on.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let decade = 10_f64.powi((value.log10() - 1e-9).floor() as i32);
-    let nice = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade).into_iter().find(|&nice| nice >= value * (1.0 - 1e-9));
-    // Written in tenths, so that 0.2 is 0.2.
-    let nice = nice.unwrap_or(10.0 * decade);
-    if nice < 1.0 { 1.0 / (1.0 / nice).round() } else { nice }
+    let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0].map(|step| step * decade);
+    let nice = steps.into_iter().find(|&nice| nice >= value * (1.0 - 1e-9)).unwrap_or(10.0 * decade);
+    // So that 0.15 is 0.15.
+    (nice * 1e4).round() / 1e4
 }
 
 #[cfg(test)]
@@ -120,6 +120,6 @@ mod tests {
     #[test]
     fn spacings_are_round_numbers() {
         let nice = [0.03, 0.2, 0.21, 0.99, 1.0, 1.3, 5.1, 70.0, 100.0].map(nice_above);
-        assert_eq!(nice, [0.05, 0.2, 0.5, 1.0, 1.0, 2.0, 10.0, 100.0, 100.0]);
+        assert_eq!(nice, [0.03, 0.2, 0.3, 1.0, 1.0, 1.5, 7.5, 75.0, 100.0]);
     }
 }

@@ -142,9 +142,9 @@ mod tests {
         let before: [u64; SIDE] = std::array::from_fn(|i| (i as u64 + 3).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut after = before;
         transpose(&mut after);
-        for i in 0..SIDE {
-            for j in 0..SIDE {
-                assert_eq!(before[i] >> j & 1, after[j] >> i & 1, "{i} {j}");
+        for (i, word) in before.iter().enumerate() {
+            for (j, turned) in after.iter().enumerate() {
+                assert_eq!(word >> j & 1, turned >> i & 1, "{i} {j}");
             }
         }
     }

@@ -7,7 +7,6 @@ use umbrae_core::{Bounds, Caster, Scene, SurfaceKind};
 use umbrae_formats::Crs;
 use umbrae_study::{Blockers, Solids, Terrain, kind_of_triangles};
 
-use crate::cast::CastChoice;
 use crate::cli::StudyArgs;
 use crate::model::{LoadedFile, load_all};
 use crate::talk::Talk;
@@ -67,12 +66,12 @@ impl Models {
             [(&args.models, When::Always), (&args.existing, When::Before), (&args.proposed, When::After)];
         let (mut scene, mut when, mut files) = (Scene::default(), Vec::new(), Vec::new());
         let mut options = args.load.options();
+        let mut said: Vec<Vec<String>> = Vec::new();
         for (paths, part) in parts {
             for path in paths {
                 let (mut one, loaded) = load_all(std::slice::from_ref(path), &options, None, talk)?;
                 options.into = options.into.or_else(|| loaded.iter().find_map(|file| file.crs.clone()));
-                // Glass is taken out of what casts, object by object.
-                CastChoice::default().assign(&mut one);
+                said.push(args.cast_choice().assign(&mut one));
                 when.extend(std::iter::repeat_n(part, one.objects.len()));
                 let cant = || format!("can't join `{}` with the models before it", path.display());
                 scene.add(one).with_context(cant)?;
@@ -84,6 +83,7 @@ impl Models {
         let mut models = Self { scene, casters, when, kinds, files, crs: options.into, warnings: Vec::new() };
         let size = models.bounds().size();
         ensure!(size.length() > 0.0, "every triangle of the models is a point, so there is nothing to study");
+        models.warnings.extend(of_all(&said));
         models.warnings.extend(models.odd_sizes());
         Ok(models)
     }
@@ -144,6 +144,14 @@ impl Models {
             format!("the models are {height:.3} m high: coordinates are taken as metres; are they kilometres, or is another axis up (--up)?")
         })
     }
+}
+
+/// Those of the first file's warnings that every other file has as well, whatever closest names each offers: a name that is in one of them is found.
+fn of_all(said: &[Vec<String>]) -> Vec<String> {
+    let sentence = |warning: &str| warning.split(';').next().unwrap_or_default().to_owned();
+    let Some((first, others)) = said.split_first() else { return Vec::new() };
+    let is_in = |warning: &str, other: &[String]| other.iter().any(|w| sentence(w) == sentence(warning));
+    first.iter().filter(|warning| others.iter().all(|other| is_in(warning, other))).cloned().collect()
 }
 
 /// The file's name without folders.

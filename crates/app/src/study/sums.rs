@@ -30,7 +30,8 @@ impl Sum {
     pub(crate) fn new(hours: &SunHours, undecided: u32) -> Self {
         let first_last = hours.intervals.first().zip(hours.intervals.last());
         Self {
-            lit_s: hours.total_s(),
+            // No sun is 0, and not -0, which a sum of nothing is.
+            lit_s: hours.total_s() + 0.0,
             error_s: hours.error_bound_s as f32,
             longest_s: hours.longest_s() as f32,
             first_last: first_last.map(|(first, last)| [first.start, last.end]),
@@ -45,7 +46,7 @@ impl Sum {
 
     /// As it is kept between runs.
     pub(crate) fn to_bytes(self) -> [u8; SUM_BYTES] {
-        let [first, last] = self.first_last.map_or([0; 2], |both| both.map(|t| t.as_millisecond()));
+        let [first, last] = self.first_last.map_or([0; 2], |both| both.map(Timestamp::as_millisecond));
         let mut bytes = [0; SUM_BYTES];
         bytes[0] = if self.first_last.is_some() { PRESENT | LIT } else { PRESENT };
         bytes[1..9].copy_from_slice(&self.lit_s.to_le_bytes());

@@ -61,6 +61,7 @@ fn the_grid_of_the_tiff_is_that_of_the_table() {
         assert!((middle[0] - row.number("x")).abs() < 1e-3 && (middle[1] - row.number("y")).abs() < 1e-3, "{row:?}");
         let hours = row.number("hours") as f32;
         assert_eq!(hours.to_bits(), value.to_bits(), "{row:?}");
+        assert!(!row.text("hours").starts_with('-'), "no sun is 0 and not -0: {row:?}");
         inside += usize::from(row.text("note") == "inside a solid");
         assert_eq!(value.is_nan(), row.text("note") == "inside a solid");
     }
@@ -238,4 +239,14 @@ fn points_keep_their_names_and_face_where_they_are_said_to() {
     assert_eq!(told[..2], [("south window", 8.0), ("north window", 0.0)]);
     assert_eq!((rows[2].text("id"), rows[2].text("note")), ("in, side", "inside a solid"));
     assert!(told[2].1.is_nan());
+}
+
+#[test]
+fn what_does_not_cast_takes_no_sun() {
+    let place = Place::new();
+    let study = slab(&place, "s", "--spacing 2 --no-cast slab");
+    assert!(study.rows().iter().filter(|row| row.text("note").is_empty()).all(|row| row.number("hours") == 8.0));
+    let run = study.json("run.json");
+    assert_eq!(run["warnings"][0], "nothing casts a shadow");
+    assert_eq!(run["options"]["no_cast"][0], "slab");
 }

@@ -9,6 +9,7 @@ use std::io::BufWriter;
 use glam::{DVec2, DVec3};
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, colortype::Gray32Float};
 use tiff::tags::Tag;
+use umbrae_formats::Crs;
 use umbrae_study::GroundGrid;
 
 use super::parameters::parameters;
@@ -63,33 +64,25 @@ fn encode(results: &Results, band: &Band<'_>, file: &mut BufWriter<File>) -> any
     let directory = image.encoder();
     directory.write_tag(Tag::ModelPixelScaleTag, &[grid.spacing, grid.spacing, 0.0][..])?;
     directory.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, corner.x, corner.y, 0.0][..])?;
-    directory
-        .write_tag(Tag::GeoKeyDirectoryTag, &geo_keys(results.frame.crs.as_ref().map(umbrae_formats::Crs::epsg))[..])?;
+    if let Some(keys) = results.frame.crs.as_ref().and_then(geo_keys) {
+        directory.write_tag(Tag::GeoKeyDirectoryTag, &keys[..])?;
+    }
     directory.write_tag(GDAL_NODATA, "nan")?;
     directory.write_tag(GDAL_METADATA, metadata(results, band).as_str())?;
     directory.write_tag(Tag::Software, concat!("umbrae ", env!("CARGO_PKG_VERSION")))?;
 
-    let mut rest = band.values;
-    while !rest.is_empty() {
-        let (strip, after) = rest.split_at((image.next_strip_sample_count() as usize).min(rest.len()));
-        image.write_strip(strip)?;
-        rest = after;
-    }
-    Ok(image.finish()?)
+    // All at once: strips one by one are written as they are, whatever compression was asked for.
+    Ok(image.write_data(band.values)?)
 }
 
-/// The directory of keys: version 1.1.0, then (key, 0, 1, value) each. A cell is an area, and values are its middle's.
-fn geo_keys(epsg: Option<u32>) -> Vec<u16> {
+/// The directory of keys: version 1.1.0, then (key, 0, 1, value) each. A cell is an area, and values are its middle's. `None` for a system whose
+/// code has no room.
+fn geo_keys(crs: &Crs) -> Option<[u16; 16]> {
     const MODEL_TYPE: u16 = 1024;
     const RASTER_TYPE: u16 = 1025;
     const PROJECTED: u16 = 3072;
-    let mut keys = vec![(RASTER_TYPE, 1)];
-    if let Some(code) = epsg.and_then(|epsg| u16::try_from(epsg).ok()) {
-        keys.insert(0, (MODEL_TYPE, 1));
-        keys.push((PROJECTED, code));
-    }
-    let header = [1, 1, 0, keys.len() as u16];
-    header.into_iter().chain(keys.into_iter().flat_map(|(key, value)| [key, 0, 1, value])).collect()
+    let code = u16::try_from(crs.epsg()).ok()?;
+    Some([1, 1, 0, 3, MODEL_TYPE, 0, 1, 1, RASTER_TYPE, 0, 1, 1, PROJECTED, 0, 1, code])
 }
 
 fn metadata(results: &Results, band: &Band<'_>) -> String {

@@ -147,7 +147,7 @@ impl Plan<'_> {
             Pixel::Value(hours) => at(&colors, 0.5 + 0.5 * hours / most),
             other => plain(other),
         };
-        let tick = |t: f64| (t, format!("{:+.1}", (2.0 * t - 1.0) * most));
+        let tick = |t: f64| (t, if t == 0.5 { "0".to_owned() } else { format!("{:+.1}", (2.0 * t - 1.0) * most) });
         let mut legend = vec![
             Item::Heading("Hours of sun, after less before".to_owned()),
             Item::Scale(colors.clone(), [0.0, 0.25, 0.5, 0.75, 1.0].map(tick).to_vec()),

@@ -106,7 +106,7 @@ fn verdict_text(verdict: &Verdict) -> String {
     let rule = &verdict.rule;
     let mut html = format!(
         "<div class=\"verdict {class}\"><h3>{}</h3><p><span class=\"outcome\">{outcome}.</span> {}</p>\
-         <p class=\"small\">{}. Source: {}. {} {}</p></div>\n",
+         <p class=\"small\">{}. Source: {}. Status: {}. {}</p></div>\n",
         escaped(&rule.title),
         escaped(&verdict.text),
         escaped(&rule.edition),
@@ -116,6 +116,9 @@ fn verdict_text(verdict: &Verdict) -> String {
     );
     let judged: Vec<&GroupVerdict> =
         verdict.groups.iter().filter(|group| group.outcome != Outcome::NotApplicable).collect();
+    if judged.is_empty() {
+        return html;
+    }
     html += "<table><thead><tr><th>Of</th><th>On</th><th class=\"n\">Receivers</th><th class=\"n\">Share with enough sun</th><th class=\"n\">Before</th><th>Deciding day</th><th>Outcome</th></tr></thead><tbody>";
     for group in judged.iter().take(MOST_GROUPS) {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);

@@ -11,15 +11,14 @@ use glam::DVec2;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use umbrae_core::{Bounds, Caster, SurfaceKind};
-use umbrae_study::{Outline, Profile, Projection};
+use umbrae_study::{Outline, Polygon, Profile, Projection};
 
 use super::parameters::parameters;
 use crate::study::folder::Folder;
+use crate::study::frame::Frame;
 use crate::study::results::{Results, State};
 use crate::study::site::iso;
 
-/// Corners are at multiples of this.
-const GRID_M: f64 = 0.001;
 /// A file of more is of no use to anyone; then only what all objects shade together is written…
 const MOST_FEATURES: usize = 100_000;
 /// …and beyond so many steps nothing.
@@ -57,6 +56,7 @@ pub(super) fn write(
     let level = models.ground_level();
     let projection = Projection::new(&casters, level);
     let frame = reach(&Caster::bounds_of(&casters));
+    let plane = Plane::new(&results.frame);
     let mut profile = Profile::new(0);
     folder.write(&name, |file| {
         write_head(results, level, file)?;
@@ -69,8 +69,7 @@ pub(super) fn write(
             Ok(())
         };
         let feature = |outline: &Outline, properties: Value| -> Option<String> {
-            let outline = outline.intersection(&frame).on_grid(GRID_M);
-            let geometry = (!outline.is_empty()).then(|| geometry(results, &outline))?;
+            let geometry = plane.multipolygon(&outline.intersection(&frame))?;
             Some(json!({ "type": "Feature", "properties": properties, "geometry": geometry }).to_string())
         };
         let mut failed = None;
@@ -140,25 +139,57 @@ fn write_head(results: &Results, level: f64, file: &mut BufWriter<File>) -> anyh
     Ok(())
 }
 
-/// A multipolygon.
-fn geometry(results: &Results, outline: &Outline) -> Value {
-    let point = |p: DVec2| match results.frame.to_lon_lat(p.extend(0.0)) {
-        Some([lon, lat]) => json!([rounded(lon, 1e9), rounded(lat, 1e9)]),
-        None => {
-            let p = results.frame.to_model(p.extend(0.0));
-            json!([rounded(p.x, 1e4), rounded(p.y, 1e4)])
+/// The plane in which a file's coordinates lie: degrees, or the model's metres, about an origin and in units of some decimetres.
+///
+/// Outlines are put on a grid there, and not before: a map projection bends edges, and rounding what comes out of it would make rings cross. All numbers are
+/// multiples of powers of two, so that what is written is on the grid to the last bit.
+#[derive(Debug, Clone, Copy)]
+struct Plane<'a> {
+    frame: &'a Frame,
+    origin: DVec2,
+    unit: f64,
+}
+
+/// In units of a plane: a millimetre or less.
+const GRID: f64 = 1.0 / 1024.0;
+/// 0.85 m or less.
+const UNIT_DEG: f64 = 1.0 / 131_072.0;
+
+impl<'a> Plane<'a> {
+    fn new(frame: &'a Frame) -> Self {
+        let unit = if frame.crs.is_some() { UNIT_DEG } else { 1.0 };
+        let plane = Self { frame, origin: DVec2::ZERO, unit };
+        let origin = plane.place(DVec2::ZERO).unwrap_or(DVec2::ZERO);
+        Self { origin: (origin / unit).round() * unit, ..plane }
+    }
+
+    /// Where a point of the scene is, in the file's coordinates; `None` where the model's system does not reach.
+    fn place(&self, point: DVec2) -> Option<DVec2> {
+        if self.frame.crs.is_some() {
+            self.frame.to_lon_lat(point.extend(0.0)).map(DVec2::from)
+        } else {
+            Some(self.frame.to_model(point.extend(0.0)).truncate())
         }
-    };
-    let ring = |ring: &[DVec2]| -> Value { ring.iter().chain(ring.first()).map(|&p| point(p)).collect() };
-    let polygon = |polygon: &umbrae_study::Polygon| -> Value { polygon.rings().map(ring).collect() };
-    let polygons: Value = outline.polygons.iter().map(polygon).collect();
-    json!({ "type": "MultiPolygon", "coordinates": polygons })
+    }
+
+    /// `outline` as a multipolygon; `None` where nothing is left of it, or it reaches beyond the model's system.
+    fn multipolygon(&self, outline: &Outline) -> Option<Value> {
+        let ring = |ring: &[DVec2]| -> Option<Vec<DVec2>> {
+            ring.iter().map(|&p| Some((self.place(p)? - self.origin) / self.unit)).collect()
+        };
+        let polygon = |polygon: &Polygon| -> Option<Polygon> {
+            let holes = polygon.holes.iter().map(|hole| ring(hole)).collect::<Option<_>>()?;
+            Some(Polygon { exterior: ring(&polygon.exterior)?, holes })
+        };
+        let here = Outline { polygons: outline.polygons.iter().map(polygon).collect::<Option<_>>()? }.on_grid(GRID);
+        let point = |p: &DVec2| json!((self.origin + *p * self.unit).to_array());
+        let ring = |ring: &[DVec2]| -> Value { ring.iter().chain(ring.first()).map(point).collect() };
+        let polygons: Value = here.polygons.iter().map(|p| p.rings().map(ring).collect::<Value>()).collect();
+        (!here.is_empty()).then(|| json!({ "type": "MultiPolygon", "coordinates": polygons }))
+    }
 }
 
-fn rounded(value: f64, parts: f64) -> f64 {
-    (value * parts).round() / parts
-}
-
+/// To tenths of thousandths.
 fn round(value: f64) -> f64 {
-    rounded(value, 1e4)
+    (value * 1e4).round() / 1e4
 }
