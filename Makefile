@@ -8,15 +8,18 @@
 export NODEVICE_SELECT := 1
 
 UMBRAE := cargo run --quiet --release --package umbrae --
+STUDY := --lat 48.2 --lon 16.37 --date 2026-09-18 --from 09:00 --to 17:00
 SCENES := town high-rise
 SUNS := morning:105,28 noon:180,52 evening:262,18 # name:azimuth,altitude in degrees
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: setup ## render two sample scenes under three suns each, and study the sun of one, to out/
+demo: setup ## study the hours of sun in a town, and render two scenes under three suns each, to out/
 	cargo build --release --package umbrae
 	@mkdir -p out
+	$(UMBRAE) sample town -o out/town.glb
+	$(UMBRAE) study out/town.glb $(STUDY) -o out/town-study
 	@set -e; for scene in $(SCENES); do \
 		$(UMBRAE) sample $$scene -o out/$$scene.glb; \
 		for sun in $(SUNS); do \
@@ -24,8 +27,7 @@ demo: setup ## render two sample scenes under three suns each, and study the sun
 			$(UMBRAE) render out/$$scene.glb --sun $${sun#*:} -o out/$$scene-$${sun%:*}.png; \
 		done; \
 	done
-	$(UMBRAE) study out/town.glb --lat 48.2 --lon 16.37 --date 2026-09-18 --from 09:00 --to 17:00 -o out/town-sun
-	@printf '\nOpen this report: out/town-sun/report.html\nAnd these pictures:\n'
+	@printf '\nOpen this page, the study of a day in September in Vienna:\n  out/town-study/report.html\nand these pictures:\n'
 	@for scene in $(SCENES); do for sun in $(SUNS); do echo "  out/$$scene-$${sun%:*}.png"; done; done
 
 # The tests come last, so that a run ends with how many there were.

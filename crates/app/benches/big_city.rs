@@ -16,7 +16,7 @@ use anyhow::Context as _;
 use glam::{DAffine3, DVec3};
 use umbrae_core::{Caster, Object, Scene, SurfaceKind};
 use umbrae_formats::{LoadOptions, load};
-use umbrae_study::{Blockers, GroundGrid, Packets, Receivers, Solids, Terrain, kind_of_triangles};
+use umbrae_study::{Blockers, GroundGrid, GroundLevel, Packets, Receivers, Solids, Terrain, kind_of_triangles};
 use web_time::Instant;
 
 const TRIANGLES: usize = 1_000_000;
@@ -50,7 +50,7 @@ fn main() -> anyhow::Result<()> {
         bounds.min.truncate(),
         bounds.max.truncate(),
         (size.x * size.y / RECEIVERS).sqrt(),
-        bounds.min.z,
+        GroundLevel::of(&casters, &kinds).level,
     );
     let mut receivers = Receivers::default();
     receivers.add_ground(grid, &Terrain::new(&casters, &kinds), &Solids::new(&casters, &kinds));

@@ -34,7 +34,7 @@ pub use self::when::{DateRange, PeriodArgs, PlaceArgs};
 
 /// Exact shadows of real models
 ///
-/// Reads glTF, OBJ, PLY and STL. Data goes to standard output, talk to standard error.
+/// Reads glTF, OBJ, PLY, STL, and cities as CityJSON, GeoJSON and GeoTIFF. Data goes to standard output, talk to standard error.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 110, after_long_help = AFTER_HELP)]
 pub struct Cli {
@@ -140,7 +140,7 @@ impl Posing {
 /// under it. Coordinates are the model's own, in metres, with x east, y north, z up.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Models to draw together: .glb .gltf .obj .ply .ply.gz .stl
+    /// Models to draw together: .glb .gltf .obj .ply .ply.gz .stl .city.json .city.jsonl .geojson .tif
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
 
@@ -288,7 +288,7 @@ const MAX_AREA_SAMPLES: i64 = 4096;
 /// Tell what a model is made of and how it will cast; needs no graphics driver
 #[derive(Debug, Args)]
 pub struct InspectArgs {
-    /// Model: .glb .gltf .obj .ply .ply.gz .stl
+    /// Model: .glb .gltf .obj .ply .ply.gz .stl .city.json .city.jsonl .geojson .tif
     pub model: PathBuf,
 
     /// Print JSON, warnings included

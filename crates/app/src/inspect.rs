@@ -9,7 +9,7 @@ use serde::Serialize;
 use umbrae_core::{
     Bounds, Caster, Light, Material, Mesh, MeshCounts, Object, Scene, Surface, Topology, TopologyCounts,
 };
-use umbrae_formats::{Format, Model};
+use umbrae_formats::{Crs, Format, Model};
 
 use crate::cli::InspectArgs;
 use crate::model::{format_name, load_one};
@@ -23,6 +23,10 @@ pub struct Inspection {
     format: &'static str,
     up: &'static str,
     origin: [f64; 3],
+    /// Null where nobody says so.
+    crs: Option<CrsJson>,
+    /// What the file is in, if it was computed anew for `crs`.
+    source_crs: Option<CrsJson>,
     #[serde(flatten)]
     total: Counts,
     objects: Vec<ObjectJson>,
@@ -33,6 +37,19 @@ pub struct Inspection {
     #[serde(skip)]
     light_texts: Vec<String>,
     warnings: Vec<String>,
+}
+
+/// A coordinate reference system.
+#[derive(Debug, Serialize)]
+struct CrsJson {
+    epsg: u32,
+    name: &'static str,
+}
+
+impl CrsJson {
+    fn new(crs: &Crs) -> Self {
+        Self { epsg: crs.epsg(), name: crs.name() }
+    }
 }
 
 /// Counts of one object or of the whole model.
@@ -145,6 +162,8 @@ impl Inspection {
                 umbrae_formats::UpAxis::Z => "z",
             },
             origin: origin.to_array(),
+            crs: model.crs.as_ref().map(CrsJson::new),
+            source_crs: model.source_crs.as_ref().map(CrsJson::new),
             total,
             objects,
             animations: (model.animations.iter())
@@ -167,6 +186,11 @@ impl Inspection {
         self.total.write_to(&mut text, "  ");
         if self.origin != [0.0; 3] {
             let _ = writeln!(text, "  origin                 {:?}", self.origin);
+        }
+        if let Some(crs) = &self.crs {
+            let from = |source: &CrsJson| format!(", computed from EPSG:{} ({})", source.epsg, source.name);
+            let from = self.source_crs.as_ref().map_or_else(String::new, from);
+            let _ = writeln!(text, "  coordinates in         EPSG:{} ({}){from}", crs.epsg, crs.name);
         }
         let animation_text = |a: &AnimationJson| format!("{}: {:.3} s", a.name, a.duration_s);
         let animations = self.animations.iter().map(animation_text).collect();

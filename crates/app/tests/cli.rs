@@ -12,6 +12,8 @@ mod bench;
 mod cache;
 #[path = "cli/casting.rs"]
 mod casting;
+#[path = "cli/cities.rs"]
+mod cities;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/independent.rs"]

@@ -37,7 +37,7 @@ pub enum LoadError {
         /// As it was given.
         path: PathBuf,
     },
-    /// The name's ending is that of CityGML.
+    /// The name's ending is that of `CityGML`.
     #[error("{}: CityGML can't be read; convert it to CityJSON, as with citygml-tools to-cityjson", path.display())]
     CityGml {
         /// As it was given.

@@ -6,7 +6,7 @@
 //!   feet                     the same system in metres
 //!   degrees, web maps        the UTM zone of the middle
 //!   any                      that of the models before it, where there are some
-//!   none                     whatever it is, in metres
+//!   none                     whatever it is, in metres; beside others what those are in
 //! ```
 
 use glam::{DVec2, DVec3};

@@ -1,4 +1,5 @@
-//! Model files into [`umbrae_core::Scene`]s: glTF 2.0 and GLB, OBJ, PLY (also gzipped), STL.
+//! Model files into [`umbrae_core::Scene`]s: glTF 2.0 and GLB, OBJ, PLY (also gzipped), STL; and cities, which have a place on
+//! earth ([`Crs`]): `CityJSON` and `CityJSONSeq`, `GeoJSON` footprints with heights, `GeoTIFF` terrain.
 //!
 //! [`load()`] reads a file, [`load_bytes`] bytes that are already here. Both resolve every difficulty of the
 //! format (axes, origin, polygons, instances, missing and broken parts), so that nothing downstream knows which
@@ -9,7 +10,7 @@
 //!
 //! Promises, for any bytes whatever: no panic, no endless loop, and no more memory than a small multiple of the
 //! file (see `gltf/budget.rs` for the one format in which a file can repeat itself), with a fixed amount for pictures on
-//! top (see `picture.rs`).
+//! top (see `picture.rs`), and for terrain, which may be compressed to next to nothing (see `geotiff/samples.rs`).
 //!
 //! Conventions: metres; x east, y north, z up, whatever the file had (see [`UpAxis`]); positions are parsed in
 //! `f64` and become `f32` about the scene's origin, which is 0 unless the model is far from it.

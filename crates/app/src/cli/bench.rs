@@ -24,7 +24,7 @@ pub enum BenchCommand {
 /// two rows, one for the same lights as the others, and one for the sun of a midsummer day at 48 degrees north, minute by minute.
 #[derive(Debug, Args)]
 pub struct SilhouettesArgs {
-    /// Models, each measured alone: .glb .gltf .obj .ply .ply.gz .stl
+    /// Models, each measured alone: .glb .gltf .obj .ply .ply.gz .stl .city.json .city.jsonl .geojson .tif
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
 

@@ -117,6 +117,26 @@ fn longitudes_and_latitudes_become_metres_of_a_utm_zone() {
     assert!((vienna.scene.origin.y - 340_000.0).abs() < 5_000.0, "{}", vienna.scene.origin);
 }
 
+/// A web map shows a metre of Vienna as one and a half.
+#[test]
+fn a_web_map_becomes_metres_of_the_ground() {
+    let crs = Crs::from_epsg(3857).expect("it is known");
+    let corner = crs.of_lon_lat(glam::DVec2::new(16.37, 48.2)).expect("a place");
+    let ring: Vec<String> = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0]]
+        .iter()
+        .map(|[x, y]| format!("[{},{}]", corner.x + x, corner.y + y))
+        .collect();
+    let json = projected(&[feature(r#""height":20"#, &format!("[{}]", ring.join(",")))]).replace("28992", "3857");
+    let model = load(&json);
+    assert_eq!(
+        (model.crs.as_ref().map(Crs::epsg), model.source_crs.as_ref().map(Crs::epsg)),
+        (Some(32633), Some(3857))
+    );
+    let size = model.scene.bounds().size();
+    assert!((size.x - 20.0).abs() < 0.6 && (size.y - 20.0).abs() < 0.6, "{size}");
+    assert!(warnings(&model).contains("where a metre is shown as 1.5"), "{}", warnings(&model));
+}
+
 #[test]
 fn a_single_feature_and_a_bare_geometry_are_files_too() {
     let one = feature(r#""height":20"#, SQUARE);

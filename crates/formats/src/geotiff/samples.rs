@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
 
 use crate::error::{Problem, cut_short};
 use crate::warnings::Warnings;
@@ -19,7 +20,7 @@ pub(super) struct Grid {
     pub(super) heights: Vec<f32>,
 }
 
-/// As many samples as become a scene: 20 million triangles, which take about 1.5 GB.
+/// As many samples as become a scene: 20 million triangles, which take 1.8 GB to read.
 pub(super) const MAX_SAMPLES: u64 = 10_000_000;
 
 /// The largest strip or tile, which is decoded at once.
@@ -86,7 +87,11 @@ impl Grid {
         let (chunk_width, chunk_height) = decoder.chunk_dimensions();
         let across = width.div_ceil(chunk_width.max(1));
         let down = height.div_ceil(chunk_height.max(1));
+        let is_written = written_chunks(decoder);
         for chunk in 0..across * down {
+            if !is_written.get(chunk as usize).copied().unwrap_or(true) {
+                continue;
+            }
             let (left, top) = (chunk % across * chunk_width, chunk / across * chunk_height);
             // Chunks between the rows that are kept need not be decoded.
             let first_row = top.next_multiple_of(step);
@@ -117,6 +122,13 @@ impl Grid {
         );
         Ok(grid)
     }
+}
+
+/// For each strip or tile whether it is in the file: GDAL leaves out those without any data, and then they have no bytes.
+fn written_chunks(decoder: &mut Decoder<Cursor<&[u8]>>) -> Vec<bool> {
+    let mut counts = |tag| decoder.find_tag_unsigned_vec::<u64>(tag).ok().flatten();
+    let counts = counts(Tag::TileByteCounts).or_else(|| counts(Tag::StripByteCounts)).unwrap_or_default();
+    counts.into_iter().map(|bytes| bytes > 0).collect()
 }
 
 /// The samples of one strip or tile.

@@ -164,6 +164,26 @@ fn samples_without_a_height_are_left_open() {
     );
 }
 
+/// As GDAL writes a file of which some strips have no data: they have no bytes, and lie at 0.
+#[test]
+fn strips_that_are_not_in_the_file_are_left_open() {
+    let samples = [1.0_f32; 3 * 4];
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).expect("memory takes it");
+    let mut image = encoder.new_image::<colortype::Gray32Float>(3, 4).expect("a good size");
+    image.rows_per_strip(2).expect("before any is written");
+    image.encoder().write_tag(Tag::ModelPixelScaleTag, [0.5, 0.5, 0.0_f64].as_slice()).expect("memory takes it");
+    image.encoder().write_tag(Tag::ModelTiepointTag, [0.0_f64; 6].as_slice()).expect("memory takes it");
+    image.write_data(&samples).expect("memory takes it");
+    let mut bytes = bytes.into_inner();
+    assert_eq!(load(&bytes).scene.triangle_count(), 12);
+    // The two byte counts are 24 and 24, one after the other.
+    let counts = [24_u32.to_ne_bytes(), 24_u32.to_ne_bytes()].concat();
+    let at = bytes.windows(8).position(|eight| eight == counts).expect("the byte counts");
+    bytes[at + 4..at + 8].fill(0);
+    assert_eq!(load(&bytes).scene.triangle_count(), 4);
+}
+
 #[test]
 fn a_step_keeps_every_second_sample_and_too_many_are_refused() {
     let samples: Vec<f32> = (0..35).map(|i| i as f32).collect();

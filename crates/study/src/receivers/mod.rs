@@ -2,6 +2,7 @@
 
 mod ground;
 mod inside;
+mod level;
 mod surfaces;
 mod terrain;
 
@@ -12,6 +13,7 @@ use umbrae_core::SurfaceKind;
 
 pub use ground::GroundGrid;
 pub use inside::Solids;
+pub use level::GroundLevel;
 pub use surfaces::kind_of_triangles;
 pub use terrain::Terrain;
 
