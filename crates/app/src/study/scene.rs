@@ -52,6 +52,8 @@ pub(crate) struct Situation {
 
 /// Higher than any building; a model of millimetres or feet is.
 const SUSPICIOUS_HEIGHT_M: f64 = 1000.0;
+/// Higher than a plinth, and than what a street rises along a block.
+const SUSPICIOUS_FOOT_M: f64 = 3.0;
 /// Lower than a garden wall.
 const SUSPICIOUS_LOWNESS_M: f64 = 0.5;
 
@@ -85,6 +87,7 @@ impl Models {
         ensure!(size.length() > 0.0, "every triangle of the models is a point, so there is nothing to study");
         models.warnings.extend(of_all(&said));
         models.warnings.extend(models.odd_sizes());
+        models.warnings.extend(models.slope());
         Ok(models)
     }
 
@@ -131,6 +134,21 @@ impl Models {
             terrain: Terrain::new(&casters, &kinds),
             objects,
         }
+    }
+
+    /// A warning, if half of what casts stands well above the level that is taken for the ground.
+    fn slope(&self) -> Option<String> {
+        if self.has_terrain() {
+            return None;
+        }
+        let level = self.ground_level();
+        let casting = self.casters.iter().filter(|caster| caster.role.casts);
+        let mut feet: Vec<f64> = casting.map(|caster| caster.bounds.min.z - level).collect();
+        feet.sort_by(f64::total_cmp);
+        let middle = feet.get(feet.len() / 2).copied().filter(|&height| height > SUSPICIOUS_FOOT_M)?;
+        Some(format!(
+            "half of the objects stand {middle:.0} m or more above the lowest, which is taken for the level of the ground as there is no terrain: shadows on the ground are where they would be at that level; add a model of the terrain"
+        ))
     }
 
     fn odd_sizes(&self) -> Option<String> {
