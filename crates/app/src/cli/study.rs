@@ -74,9 +74,18 @@ pub struct StudyArgs {
     #[arg(long, value_name = "METRES", value_parser = metres, allow_hyphen_values = true, help_heading = "Receivers")]
     pub spacing: Option<f64>,
 
+    /// Height of the ground where there is no terrain, in the models' coordinates (default: that on which half of the objects stand)
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = height, help_heading = "Receivers")]
+    pub ground: Option<f64>,
+
     /// Receivers from a CSV file with a header: x,y,z and perhaps nx,ny,nz (the side that they are open to) and id, in the model's coordinates
     #[arg(long, value_name = "FILE", help_heading = "Receivers")]
     pub points: Option<PathBuf>,
+
+    /// Find hours to the second: look every minute, and for each change between two minutes when it is. The pictures and bits remain those of --step.
+    /// Without, each change may be half a step off; the error bound says how much that makes
+    #[arg(long, help_heading = "Results")]
+    pub refine: bool,
 
     /// Colour the shadow profile by the objects that cast
     #[arg(long, help_heading = "Results")]
@@ -130,4 +139,9 @@ impl StudyArgs {
 fn north_deg(text: &str) -> Result<f64, String> {
     let degrees = text.trim().parse().ok().filter(|degrees| (-360.0..=360.0).contains(degrees));
     degrees.ok_or_else(|| format!("`{text}` is not a direction; write degrees from -360 to 360, such as 12.5"))
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    let metres = text.trim().parse().ok().filter(|metres: &f64| metres.abs() < 1e5);
+    metres.ok_or_else(|| format!("`{text}` is not a height; write metres, such as 171.5"))
 }

@@ -54,6 +54,8 @@ pub(super) fn options(args: &StudyArgs) -> Value {
         "no_cast": args.no_cast.iter().map(Pattern::text).collect::<Vec<_>>(),
         "glass_casts": args.glass_casts,
         "check": args.check,
+        "ground": args.ground,
+        "refine": args.refine,
         "dates": args.period.all_dates().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "geometric": args.period.geometric,
         "lat": args.place.lat,
@@ -83,6 +85,7 @@ pub(super) fn key(results: &Results, inside: &[Vec<bool>]) -> String {
         let time = [step.start, step.end].map(jiff::Timestamp::as_nanosecond);
         hasher.update(cast_slice(&time));
     }
+    hasher.update([u8::from(results.refinement.is_some())]);
     for sun in &results.suns {
         hasher.update(cast_slice(&sun.unwrap_or_default().to_array()));
     }

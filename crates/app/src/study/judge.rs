@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use glam::DVec3;
 use umbrae_core::SurfaceKind;
 use umbrae_study::rules::{CountedSun, Evidence, GroupEvidence, ReceiverKind, Rule, RuleError, Verdict};
-use umbrae_study::{Clock, GroupKind, Packets, Period, Receivers, SunHours, SunOptions, Timetable};
+use umbrae_study::{Clock, GroupKind, Packets, Period, Receivers, Refinement, SunHours, SunOptions, Timetable};
 
 use super::results::Results;
 use super::rows::{bit, rows_of};
@@ -64,13 +64,18 @@ pub(super) fn judge(
     let timetable =
         Timetable::new(&site.place, &period, &options).with_context(|| format!("can't judge {}", rule.title))?;
     let north_rad = site.north_deg.to_radians();
-    let suns: Vec<Option<DVec3>> =
-        timetable.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
+    let suns = timetable.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
+    let moments = if results.refinement.is_some() {
+        let fine = Refinement::new(&site.place, &timetable, &options, north_rad)?;
+        Moments { timetable: fine.timetable().clone(), suns: fine.suns().to_vec(), refinement: Some(fine) }
+    } else {
+        Moments { timetable, suns, refinement: None }
+    };
 
     let mut of_states = Vec::new();
     for (situation, receivers) in situations.iter().zip(of_state) {
         let is_wanted = |group: &umbrae_study::Group| needs.receivers.contains(&kind(&group.kind, receivers, group));
-        let Some(counted) = count(rule, &timetable, &suns, situation, receivers, is_wanted, stop) else {
+        let Some(counted) = count(rule, &moments, situation, receivers, is_wanted, stop) else {
             return Ok(None);
         };
         of_states.push(counted);
@@ -94,16 +99,24 @@ pub(super) fn judge(
             });
         }
     }
-    Ok(Some(rule.judge(&Evidence { days: timetable.days.clone(), groups })))
+    Ok(Some(rule.judge(&Evidence { days: moments.timetable.days.clone(), groups })))
 }
 
 /// For each receiver the sun of each day, as far as the rule counts it; nothing for receivers that it is not about.
 type Counted = Vec<Vec<CountedSun>>;
 
+/// When a rule looks.
+struct Moments {
+    timetable: Timetable,
+    /// For each step the direction to the sun, scene space; `None` where it does not count.
+    suns: Vec<Option<DVec3>>,
+    /// With it changes are found to the second.
+    refinement: Option<Refinement>,
+}
+
 fn count(
     rule: &Rule,
-    timetable: &Timetable,
-    suns: &[Option<DVec3>],
+    Moments { timetable, suns, refinement }: &Moments,
     situation: &Situation,
     receivers: &Receivers,
     is_wanted: impl Fn(&umbrae_study::Group) -> bool,
@@ -120,11 +133,17 @@ fn count(
     for first in (0..packets.len()).step_by(block) {
         let range = first..packets.len().min(first + block);
         let exposure = situation.blockers.expose(&wanted, &packets, range, suns, stop, || ())?;
-        for (receiver, row) in rows_of(&exposure, &packets) {
+        let rows = rows_of(&exposure, &packets);
+        for (receiver, row) in rows {
+            let at = (wanted.positions[receiver], wanted.normals[receiver]);
             counted[receiver] = (0..timetable.days.len())
                 .map(|day| {
                     let steps = timetable.steps_of_day(day);
-                    let hours = SunHours::of_steps(&timetable.steps[steps.clone()], |i| bit(&row, steps.start + i));
+                    let is_lit = |step: usize| bit(&row, step);
+                    let hours = match refinement {
+                        Some(fine) => fine.hours(&situation.blockers, at, steps, is_lit),
+                        None => SunHours::of_steps(&timetable.steps[steps.clone()], |i| is_lit(steps.start + i)),
+                    };
                     rule.count(&hours)
                 })
                 .collect();

@@ -25,7 +25,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context as _;
 use glam::DVec3;
 use umbrae_study::rules::Rule;
-use umbrae_study::{Packets, Receivers};
+use umbrae_study::{Packets, Receivers, Refinement};
 use web_time::Instant;
 
 use self::folder::Folder;
@@ -71,6 +71,8 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     let frame = Frame { origin: models.scene.origin, crs: models.crs.clone() };
     let (site, timetable, said) = moments::moments(args, &models, &frame)?;
     let north_rad = site.north_deg.to_radians();
+    let refinement =
+        if args.refine { Some(Refinement::new(&site.place, &timetable, &site.options, north_rad)?) } else { None };
     let suns: Vec<Option<DVec3>> =
         timetable.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
     timings.load_s = seconds_since(begin);
@@ -90,6 +92,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
         receivers,
         states: Vec::new(),
         check: None,
+        refinement,
         margin_m: situations.iter().map(|situation| situation.blockers.margin_m()).fold(0.0, f64::max),
         is_partial: false,
         verdicts: Vec::new(),
@@ -172,6 +175,7 @@ fn compute(
             packets: &packets[state],
             steps: &results.timetable.steps,
             suns: &results.suns,
+            refinement: results.refinement.as_ref(),
         };
         let computed = workshop.compute(job, stop, |packets| bar.inc(packets))?;
         results.timings.engine_s += computed.engine_s;

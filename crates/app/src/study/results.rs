@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use umbrae_study::rules::Verdict;
-use umbrae_study::{GroundGrid, Receivers, Timetable};
+use umbrae_study::{GroundGrid, Receivers, Refinement, Timetable};
 
 use super::frame::Frame;
 use super::receivers::ground;
@@ -25,6 +25,8 @@ pub(crate) struct Results {
     pub(crate) timetable: Timetable,
     /// For each step the direction to the sun, scene space; `None` where it does not count.
     pub(crate) suns: Vec<Option<DVec3>>,
+    /// With it hours are to the second.
+    pub(crate) refinement: Option<Refinement>,
     pub(crate) receivers: Receivers,
     /// One, or two: before and after.
     pub(crate) states: Vec<State>,
@@ -124,6 +126,11 @@ impl Results {
         format!("{days}, {hours}, {} (UTC{offsets})", self.site.clock)
     }
 
+    /// What may be missed if it is shorter, in words.
+    pub(crate) fn shortest_seen(&self) -> &'static str {
+        if self.refinement.is_some() { "a minute" } else { "a step" }
+    }
+
     /// The largest error bound of any receiver, in seconds, and the mean of all.
     pub(crate) fn error_bounds_s(&self) -> [f64; 2] {
         let errors = || self.states.iter().flat_map(|state| &state.sums).flatten().map(|sum| f64::from(sum.error_s));
@@ -142,4 +149,9 @@ impl State {
     pub(crate) fn hours(&self, receiver: usize) -> Option<f64> {
         self.sums[receiver].map(|sum| sum.hours())
     }
+}
+
+/// `8.4 min`, or `1.25 s` where it is less than a minute.
+pub(crate) fn duration_text(seconds: f64) -> String {
+    if seconds < 60.0 && seconds > 0.0 { format!("{seconds:.2} s") } else { format!("{:.1} min", seconds / 60.0) }
 }

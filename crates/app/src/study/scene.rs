@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, ensure};
 use umbrae_core::{Bounds, Caster, Scene, SurfaceKind};
 use umbrae_formats::Crs;
-use umbrae_study::{Blockers, Solids, Terrain, kind_of_triangles};
+use umbrae_study::{Blockers, GroundLevel, Solids, Terrain, kind_of_triangles};
 
 use crate::cli::StudyArgs;
 use crate::model::{LoadedFile, load_all};
@@ -32,6 +32,8 @@ pub(crate) struct Models {
     pub(crate) when: Vec<When>,
     /// For each caster what its triangles are parts of.
     pub(crate) kinds: Vec<Vec<SurfaceKind>>,
+    /// On what the objects stand.
+    pub(crate) ground: GroundLevel,
     pub(crate) files: Vec<LoadedFile>,
     /// What the scene's origin plus a position is in, if any file says so.
     pub(crate) crs: Option<Crs>,
@@ -53,7 +55,7 @@ pub(crate) struct Situation {
 /// Higher than any building; a model of millimetres or feet is.
 const SUSPICIOUS_HEIGHT_M: f64 = 1000.0;
 /// Higher than a plinth, and than what a street rises along a block.
-const SUSPICIOUS_FOOT_M: f64 = 3.0;
+const SUSPICIOUS_SLOPE_M: f64 = 2.0;
 /// Lower than a garden wall.
 const SUSPICIOUS_LOWNESS_M: f64 = 0.5;
 
@@ -82,7 +84,11 @@ impl Models {
         }
         let casters = Caster::of_scene(&scene);
         let kinds: Vec<Vec<SurfaceKind>> = casters.iter().map(|c| kind_of_triangles(c, &scene.materials)).collect();
-        let mut models = Self { scene, casters, when, kinds, files, crs: options.into, warnings: Vec::new() };
+        let mut ground = GroundLevel::of(&casters, &kinds);
+        if let Some(asked) = args.ground {
+            ground = GroundLevel { level: asked - scene.origin.z, lowest: 0.0, highest: 0.0, objects: 0 };
+        }
+        let mut models = Self { scene, casters, when, kinds, ground, files, crs: options.into, warnings: Vec::new() };
         let size = models.bounds().size();
         ensure!(size.length() > 0.0, "every triangle of the models is a point, so there is nothing to study");
         models.warnings.extend(of_all(&said));
@@ -103,7 +109,7 @@ impl Models {
 
     /// The height of the ground where there is no terrain, scene space.
     pub(crate) fn ground_level(&self) -> f64 {
-        self.bounds().min.z
+        self.ground.level
     }
 
     /// Whether any triangle is terrain.
@@ -136,19 +142,20 @@ impl Models {
         }
     }
 
-    /// A warning, if half of what casts stands well above the level that is taken for the ground.
+    /// A warning, if not all stand on one level and there is no terrain.
     fn slope(&self) -> Option<String> {
-        if self.has_terrain() {
-            return None;
-        }
-        let level = self.ground_level();
-        let casting = self.casters.iter().filter(|caster| caster.role.casts);
-        let mut feet: Vec<f64> = casting.map(|caster| caster.bounds.min.z - level).collect();
-        feet.sort_by(f64::total_cmp);
-        let middle = feet.get(feet.len() / 2).copied().filter(|&height| height > SUSPICIOUS_FOOT_M)?;
-        Some(format!(
-            "half of the objects stand {middle:.0} m or more above the lowest, which is taken for the level of the ground as there is no terrain: shadows on the ground are where they would be at that level; add a model of the terrain"
-        ))
+        let GroundLevel { level, lowest, highest, objects } = self.ground;
+        let is_level = highest - lowest <= SUSPICIOUS_SLOPE_M;
+        let z = self.scene.origin.z;
+        (!is_level && !self.has_terrain()).then(|| {
+            format!(
+                "the models have no terrain, and their {objects} objects stand between {:.1} and {:.1} m: the ground is taken as level at {:.1} m, and shadows on it are \
+                 where they would be at that level; add a model of the terrain, or give --ground",
+                lowest + z,
+                highest + z,
+                level + z
+            )
+        })
     }
 
     fn odd_sizes(&self) -> Option<String> {

@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::{Context as _, ensure};
 use glam::DVec3;
 use rayon::prelude::*;
-use umbrae_study::{Blockers, Packets, Receivers, Step, SunHours};
+use umbrae_study::{Blockers, Packets, Receivers, Refinement, Step, SunHours};
 use web_time::Instant;
 
 use super::rows::{RowShape, bit, for_each_row, rows_of, write_rows};
@@ -43,6 +43,8 @@ pub(super) struct Job<'a> {
     pub(super) steps: &'a [Step],
     /// For each step the direction to the sun, scene space; `None` where it does not count.
     pub(super) suns: &'a [Option<DVec3>],
+    /// With it hours are to the second; bits are still those of the steps.
+    pub(super) refinement: Option<&'a Refinement>,
 }
 
 /// What has come of a [`Job`].
@@ -132,7 +134,8 @@ impl Workshop {
         let mut rows = self.file("rows", job.state, job.receivers.len() * shape.stride())?;
         let mut sums = self.file("sums", job.state, job.receivers.len() * SUM_BYTES)?;
         let (mut engine_s, mut is_whole) = (0.0, true);
-        let block = block_packets(job.packets.len(), shape);
+        let most_steps = job.refinement.map_or(shape, |fine| RowShape { step_count: fine.suns().len() });
+        let block = block_packets(job.packets.len(), most_steps);
         for first in (0..job.packets.len()).step_by(block) {
             let range = first..job.packets.len().min(first + block);
             if self.done.contains(&(job.state, first)) {
@@ -140,9 +143,18 @@ impl Workshop {
                 continue;
             }
             let start = Instant::now();
-            let exposure = job.blockers.expose(job.receivers, job.packets, range, job.suns, stop, || packets_done(1));
+            let expose = |suns| {
+                let range = range.clone();
+                job.blockers.expose(job.receivers, job.packets, range, suns, stop, || ())
+            };
+            let fine_rows = match job.refinement {
+                // The words of one are let go before those of the other are asked for.
+                Some(fine) => expose(fine.suns()).map(|exposure| Some(rows_of(&exposure, job.packets))),
+                None => Some(None),
+            };
+            let exposures = fine_rows.zip(expose(job.suns));
             engine_s += start.elapsed().as_secs_f64();
-            let Some(exposure) = exposure else {
+            let Some((fine_rows, exposure)) = exposures else {
                 is_whole = false;
                 break;
             };
@@ -151,10 +163,19 @@ impl Workshop {
                 exposure.undecided[before..].iter().take_while(|&&(r, _)| r as usize == receiver).count() as u32
             };
             let block_rows = rows_of(&exposure, job.packets);
+            let hours = |i: usize, receiver: usize, row: &[u8]| match (job.refinement, &fine_rows) {
+                (Some(fine), Some(fine_rows)) => {
+                    let at = (job.receivers.positions[receiver], job.receivers.normals[receiver]);
+                    let (_, row) = &fine_rows[i];
+                    fine.hours(job.blockers, at, 0..fine.suns().len(), |step| bit(row, step))
+                }
+                _ => SunHours::of_steps(job.steps, |step| bit(row, step)),
+            };
             let block_sums: Vec<(usize, [u8; SUM_BYTES])> = block_rows
                 .par_iter()
-                .map(|(receiver, row)| {
-                    let hours = SunHours::of_steps(job.steps, |step| bit(row, step));
+                .enumerate()
+                .map(|(i, (receiver, row))| {
+                    let hours = hours(i, *receiver, row);
                     (*receiver, Sum::new(&hours, undecided_of(*receiver)).to_bytes())
                 })
                 .collect();
@@ -163,6 +184,7 @@ impl Workshop {
                 .and_then(|()| rows.sync_data())
                 .and_then(|()| sums.sync_data())
                 .and_then(|()| writeln!(self.journal, "{} {first}", job.state));
+            packets_done(range.len() as u64);
             written.with_context(|| format!("can't write to `{}`", self.folder.display()))?;
         }
         let mut all = Vec::with_capacity(job.receivers.len());

@@ -15,7 +15,7 @@ use crate::output::png;
 use crate::show::canvas::{Area, Canvas, Rgb};
 use crate::show::numbers::{counted, grouped};
 use crate::study::folder::Folder;
-use crate::study::results::{Results, State};
+use crate::study::results::{Results, State, duration_text};
 use crate::study::scene::When;
 
 /// Inside of solids, where no one stands.
@@ -338,9 +338,10 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
         ));
     }
     notes.push(format!(
-        "Error bound of the hours: {:.1} min on average, {:.1} min at the worst point, if no sun or shade shorter than a step was missed.",
-        mean_s / 60.0,
-        largest_s / 60.0
+        "Error bound of the hours: {} on average, {} at the worst point, if no sun or shade shorter than {} was missed.",
+        duration_text(mean_s),
+        duration_text(largest_s),
+        results.shortest_seen()
     ));
     if let Some(check) = results.check {
         let (verdicts, differ) = (grouped(check.verdicts), grouped(check.disagreements));

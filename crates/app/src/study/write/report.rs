@@ -12,7 +12,7 @@ use super::Shown;
 use super::tables::{ObjectRow, rows};
 use crate::show::numbers::{counted, grouped};
 use crate::study::folder::Folder;
-use crate::study::results::{Results, State};
+use crate::study::results::{Results, State, duration_text};
 use crate::study::site::{days_text, hours_text, offset_text, offsets, on_clock};
 
 const TEMPLATE: &str = include_str!("report.html");
@@ -86,7 +86,7 @@ fn figures(results: &Results) -> String {
         figures += &figure(format!("{:.1} %", 100.0 * dark), "of the ground has no sun at all");
     }
     let [_, mean_s] = results.error_bounds_s();
-    figures += &figure(format!("&plusmn;{:.1} min", mean_s / 60.0), "is the error bound of a point, on average");
+    figures += &figure(format!("&plusmn;{}", duration_text(mean_s)), "is the error bound of a point, on average");
     if let Some(check) = results.check {
         let counts = format!("{} of {}", grouped(check.disagreements), grouped(check.verdicts));
         figures += &figure(counts, "verdicts differ in a check by rays");
@@ -380,18 +380,24 @@ fn method(results: &Results) -> String {
     let undecided: u64 = sums().map(|sum| u64::from(sum.undecided)).sum();
     let verdicts = results.day_steps() as u64 * sums().count() as u64;
     let margin_mm = results.margin_m * 1000.0;
+    let how = if results.refinement.is_some() {
+        "The sun was also looked for every minute, and where it turns to shadow or back between two minutes, the moment was found to a quarter of a second by rays."
+    } else {
+        "Where sun turns to shadow or back between two steps, the moment is known to half a step either way."
+    };
     let mut html = format!(
         "<p>For every receiver and every step it was decided whether anything of the models stands between it and the middle of the sun: \
          {} verdicts, each by the exact geometry of the triangles, not by pixels of a shadow map. A verdict holds for the whole step. \
          Hours are sums of steps.</p>\n\
-         <p><b>Error bound.</b> Where sun turns to shadow or back between two steps, the moment is known to half a step either way. Summed over all such changes, the hours \
-         of no point are off by more than {:.1} min ({:.1} min on average), provided that no sun or shade shorter than a step was missed. \
+         <p><b>Error bound.</b> {how} Summed over all such changes, the hours \
+         of no point are off by more than {} ({} on average), provided that no sun or shade shorter than {} was missed. \
          What the models themselves have wrong, and what they lack (trees, balconies, new neighbours), is not in this bound.</p>\n\
          <p><b>Undecided.</b> {} verdicts are of receivers within {margin_mm:.2} mm of the edge of a shadow; they are given as computed, and counted \
          for each receiver in <code>receivers.csv</code>.</p>\n",
         grouped(verdicts),
-        largest_s / 60.0,
-        mean_s / 60.0,
+        duration_text(largest_s),
+        duration_text(mean_s),
+        results.shortest_seen(),
         grouped(undecided),
     );
     if let Some(check) = results.check {
