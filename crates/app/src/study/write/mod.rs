@@ -29,8 +29,8 @@ use self::shadows_geojson::Shadows;
 pub(super) struct Shown {
     /// Plans, in the order in which they are to be seen.
     maps: Vec<maps::NamedMap>,
-    /// What the perspective picture shows, if there is one.
-    perspective: Option<String>,
+    /// Views, where there is an adapter to draw them.
+    perspectives: Vec<perspective::Perspective>,
 }
 
 /// Writes everything but the report and `run.json`; adds to the warnings of `results` what could not be written. When `stop` is set, what takes long is left
@@ -64,10 +64,10 @@ pub(super) fn write_all(
     if let Some(state) = results.last() {
         maps.extend(moving::write(results, state, &footprints, folder)?);
     }
-    let mut perspective = None;
+    let mut perspectives = Vec::new();
     if let Some(state) = results.last().filter(|_| wants.perspective && !stop.load(Ordering::Relaxed)) {
         match perspective::write(results, state, folder) {
-            Ok(caption) => perspective = caption,
+            Ok(drawn) => perspectives = drawn,
             // All else is there without.
             Err(error) => talk.note(&format!("no perspective picture: {error:#}")),
         }
@@ -76,7 +76,7 @@ pub(super) fn write_all(
         talk.warning(&warning);
         results.warnings.push(warning);
     }
-    Ok(Shown { maps, perspective })
+    Ok(Shown { maps, perspectives })
 }
 
 /// What is written only if it is asked for, or unless it is not.

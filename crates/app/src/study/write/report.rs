@@ -161,7 +161,7 @@ fn outcome_text(outcome: Outcome) -> (&'static str, &'static str) {
 
 fn pictures(results: &Results, shown: &Shown, folder: &Folder) -> anyhow::Result<String> {
     let mut html = String::new();
-    if shown.maps.is_empty() && shown.perspective.is_none() {
+    if shown.maps.is_empty() && shown.perspectives.is_empty() {
         return Ok(html);
     }
     html += "<h2>Plans</h2>\n";
@@ -177,12 +177,12 @@ fn pictures(results: &Results, shown: &Shown, folder: &Folder) -> anyhow::Result
             map.name
         );
     }
-    if let Some(caption) = &shown.perspective {
-        let data = STANDARD.encode(folder.read("perspective.png")?);
-        let caption = escaped(caption);
+    for view in &shown.perspectives {
+        let data = STANDARD.encode(folder.read(view.file)?);
+        let (caption, file) = (escaped(&view.caption), view.file);
         let _ = writeln!(
             html,
-            "<figure><img src=\"data:image/png;base64,{data}\" alt=\"{caption}\"><figcaption>{caption}: {}. <code>perspective.png</code></figcaption></figure>",
+            "<figure><img src=\"data:image/png;base64,{data}\" alt=\"{caption}\"><figcaption>{caption}: {}. <code>{file}</code></figcaption></figure>",
             escaped(&results.subject)
         );
     }
@@ -440,6 +440,7 @@ fn content(name: &str) -> &'static str {
         ("run", "json") => "What was done with what, and how long it took",
         (_, "apng") => "The shadows of a day, moving",
         ("perspective", "png") => "The models and their shadows at one moment",
+        ("perspective_profile", "png") => "The models and their shadows over the period, laid over each other",
         (_, "png") => "A plan of this report",
         _ => "",
     }
