@@ -250,3 +250,25 @@ fn what_does_not_cast_takes_no_sun() {
     assert_eq!(run["warnings"][0], "nothing casts a shadow");
     assert_eq!(run["options"]["no_cast"][0], "slab");
 }
+
+#[test]
+fn refined_hours_are_those_of_steps_of_seconds_and_bits_those_of_the_steps() {
+    let place = Place::new();
+    let studied = |name: &str, more: &str| slab(&place, name, &format!("--spacing 9 {more}"));
+    let (rough, refined, fine) = (studied("rough", ""), studied("refined", "--refine"), studied("fine", "--step 5s"));
+    assert_eq!(rough.array::<u8>("bits.npz", "bits"), refined.array::<u8>("bits.npz", "bits"));
+    let mut changing = 0;
+    for ((rough, refined), fine) in rough.rows().iter().zip(refined.rows()).zip(fine.rows()) {
+        let (hours, error_s) = (refined.number("hours"), refined.number("error_s"));
+        if hours.is_nan() {
+            continue;
+        }
+        let off_s = (hours - fine.number("hours")).abs() * 3600.0;
+        assert!(off_s <= error_s + fine.number("error_s") + 0.01, "{off_s} s apart, {error_s} s said");
+        assert!(error_s < 2.0, "{error_s}");
+        let rough_s = (hours - rough.number("hours")).abs() * 3600.0;
+        assert!(rough_s <= rough.number("error_s") + error_s + 0.01, "{rough_s} s apart without refinement");
+        changing += u32::from(rough.number("error_s") > 0.0);
+    }
+    assert!(changing > 50, "{changing} receivers see the sun come or go");
+}
