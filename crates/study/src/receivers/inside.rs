@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use umbrae_core::{Bounds, Caster, RayCaster, SurfaceKind};
 
-use super::LIFT_M;
+use super::{LIFT_M, rays_against};
 
 /// Everything that can hold a point inside.
 #[derive(Debug, Clone)]
@@ -52,17 +52,8 @@ const WIDEST_M: f64 = 500.0;
 impl Solids {
     /// All triangles of `casters` but terrain; `kinds` as for [`super::Terrain::new`].
     pub fn new(casters: &[Caster], kinds: &[Vec<SurfaceKind>]) -> Self {
-        let triangles: Vec<Vec<[u32; 3]>> = casters
-            .iter()
-            .zip(kinds)
-            .map(|(caster, kinds)| {
-                let all = caster.mesh.triangles().iter().zip(kinds);
-                all.filter(|(_, kind)| **kind != SurfaceKind::Terrain).map(|(triangle, _)| *triangle).collect()
-            })
-            .collect();
-        let parts = casters.iter().zip(&triangles);
         Self {
-            rays: RayCaster::new(parts.map(|(caster, triangles)| (caster.positions.as_slice(), triangles.as_slice()))),
+            rays: rays_against(casters, kinds, |kind| kind != SurfaceKind::Terrain),
             parts: casters
                 .iter()
                 .map(|c| Part {

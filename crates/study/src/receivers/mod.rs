@@ -9,7 +9,7 @@ mod terrain;
 use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
-use umbrae_core::SurfaceKind;
+use umbrae_core::{Caster, RayCaster, SurfaceKind};
 
 pub use ground::GroundGrid;
 pub use inside::Solids;
@@ -102,7 +102,7 @@ impl Receivers {
     pub fn add_surfaces(
         &mut self,
         object: usize,
-        caster: &umbrae_core::Caster,
+        caster: &Caster,
         kinds: &[SurfaceKind],
         surface: SurfaceKind,
         spacing: f64,
@@ -156,6 +156,20 @@ impl Receivers {
             self.groups.push(Group { name, kind, range: start..self.len() });
         }
     }
+}
+
+/// Rays against the triangles of `casters` whose kind `is_wanted`; part `i` is caster `i`.
+fn rays_against(casters: &[Caster], kinds: &[Vec<SurfaceKind>], is_wanted: impl Fn(SurfaceKind) -> bool) -> RayCaster {
+    let wanted: Vec<Vec<[u32; 3]>> = casters
+        .iter()
+        .zip(kinds)
+        .map(|(caster, kinds)| {
+            let all = caster.mesh.triangles().iter().zip(kinds);
+            all.filter(|(_, kind)| is_wanted(**kind)).map(|(triangle, _)| *triangle).collect()
+        })
+        .collect();
+    let parts = casters.iter().zip(&wanted);
+    RayCaster::new(parts.map(|(caster, triangles)| (caster.positions.as_slice(), triangles.as_slice())))
 }
 
 /// A position seen from above.

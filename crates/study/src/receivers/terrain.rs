@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use umbrae_core::{Caster, RayCaster, SurfaceKind};
 
-use super::LIFT_M;
+use super::{LIFT_M, rays_against};
 
 /// The triangles that are terrain.
 #[derive(Debug, Clone)]
@@ -15,17 +15,8 @@ pub struct Terrain {
 impl Terrain {
     /// Takes the triangles of `casters` whose kind is [`SurfaceKind::Terrain`]; `kinds` has one list for each caster, with a kind for each triangle.
     pub fn new(casters: &[Caster], kinds: &[Vec<SurfaceKind>]) -> Self {
-        let triangles: Vec<Vec<[u32; 3]>> = casters
-            .iter()
-            .zip(kinds)
-            .map(|(caster, kinds)| {
-                let all = caster.mesh.triangles().iter().zip(kinds);
-                all.filter(|(_, kind)| **kind == SurfaceKind::Terrain).map(|(triangle, _)| *triangle).collect()
-            })
-            .collect();
-        let parts = casters.iter().zip(&triangles);
         Self {
-            rays: RayCaster::new(parts.map(|(caster, triangles)| (caster.positions.as_slice(), triangles.as_slice()))),
+            rays: rays_against(casters, kinds, |kind| kind == SurfaceKind::Terrain),
             top: Caster::bounds_of(casters).max.z,
         }
     }
