@@ -48,7 +48,9 @@ pub use packets::{PACKET, Packets};
 pub use period::{DayWindow, Edge, Period, parse_step};
 pub use place::Place;
 pub use profile::{Moment, Profile};
-pub use receivers::{GroundGrid, GroundLevel, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles};
+pub use receivers::{
+    FOOT_M, GroundGrid, GroundLevel, Group, GroupKind, LIFT_M, Receivers, Solids, Terrain, kind_of_triangles,
+};
 pub use refinement::Refinement;
 pub use sun::{Refraction, Sun, SunOptions};
 pub use sun_path::SunPath;

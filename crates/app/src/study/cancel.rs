@@ -5,7 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
 
-/// A flag that is set from the first Ctrl-C on. Terminating and hanging up count as well.
+/// The exit code of what was interrupted: 128 and the signal's number.
+const INTERRUPTED: i32 = 130;
+
+/// A flag that is set from the first Ctrl-C on; the second ends the program at once. Terminating and hanging up count as well.
 ///
 /// # Errors
 ///
@@ -13,6 +16,11 @@ use anyhow::Context as _;
 pub(super) fn when_interrupted() -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("can't listen for Ctrl-C")?;
+    let listen = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+    };
+    ctrlc::set_handler(listen).context("can't listen for Ctrl-C")?;
     Ok(stop)
 }

@@ -13,7 +13,14 @@ pub(crate) struct Folder {
     path: PathBuf,
     /// Files under names of their own, with the names that they will have.
     staged: Vec<(NamedTempFile, String)>,
+    /// Held as long as this study writes.
+    lock: Option<File>,
 }
+
+/// The file that a study at work has locked.
+const LOCK: &str = ".umbrae-lock";
+/// How the names of files begin and end that are not yet what they will be.
+const PART: [&str; 2] = [".umbrae-", ".part"];
 
 impl Folder {
     /// Makes sure that `path` is a folder that can be written, or can be made.
@@ -33,12 +40,35 @@ impl Folder {
         tempfile::tempfile_in(nearest)
             .map_err(|error| anyhow!("the folder `{}` can't be written: {error}", nearest.display()))
             .with_context(cant)?;
-        Ok(Self { path: path.to_owned(), staged: Vec::new() })
+        Ok(Self { path: path.to_owned(), staged: Vec::new(), lock: None })
     }
 
-    /// Makes it, if it is not there.
-    pub(super) fn create(&self) -> anyhow::Result<()> {
-        fs::create_dir_all(&self.path).with_context(|| format!("can't make the folder `{}`", self.path.display()))
+    /// Makes it, if it is not there, and makes sure that no other study writes to it; removes what a study that was killed has left half written.
+    ///
+    /// # Errors
+    ///
+    /// When it can't be made, or another study is at work in it.
+    pub(super) fn create(&mut self) -> anyhow::Result<()> {
+        fs::create_dir_all(&self.path).with_context(|| format!("can't make the folder `{}`", self.path.display()))?;
+        let lock_path = self.path.join(LOCK);
+        let lock = File::create(&lock_path).with_context(|| format!("can't write `{}`", lock_path.display()))?;
+        // A system without locks has none to be in the way.
+        let is_taken = matches!(lock.try_lock(), Err(fs::TryLockError::WouldBlock));
+        ensure!(
+            !is_taken,
+            "another study is writing to `{}`; wait for it, or give another folder",
+            self.path.display()
+        );
+        self.lock = Some(lock);
+        for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(PART[0]) && name.ends_with(PART[1]) {
+                // If it can't be removed it is merely in the way of a tidy folder.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+        Ok(())
     }
 
     /// The names of the files that are staged, in order.
@@ -58,7 +88,7 @@ impl Folder {
     ) -> anyhow::Result<()> {
         let staged = || -> anyhow::Result<NamedTempFile> {
             let mut builder = tempfile::Builder::new();
-            builder.prefix(".umbrae-").suffix(".part");
+            builder.prefix(PART[0]).suffix(PART[1]);
             // A temporary file is private; a finished one is as the user's other files are.
             #[cfg(unix)]
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -89,14 +119,23 @@ impl Folder {
     /// # Errors
     ///
     /// When a name can't be given, as when there is a folder of that name.
-    pub(super) fn publish(self) -> anyhow::Result<()> {
-        for (file, name) in self.staged {
+    pub(super) fn publish(mut self) -> anyhow::Result<()> {
+        for (file, name) in std::mem::take(&mut self.staged) {
             let target = self.path.join(name);
             file.persist(&target)
                 .map_err(|e| e.error)
                 .with_context(|| format!("can't write `{}`", target.display()))?;
         }
         Ok(())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if self.lock.take().is_some() {
+            // Left behind it locks nobody out.
+            let _ = fs::remove_file(self.path.join(LOCK));
+        }
     }
 }
 

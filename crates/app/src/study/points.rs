@@ -19,19 +19,25 @@ type Point = (String, DVec3, Vec3);
 /// When the file can't be read, a column is missing, or a value is no finite number; with its line.
 pub(super) fn read(path: &Path, origin: DVec3) -> anyhow::Result<(String, Vec<Point>)> {
     let bytes = fs::read(path).with_context(|| format!("can't read `{}`", path.display()))?;
-    let text = String::from_utf8_lossy(&bytes);
-    let points = parse(&text, origin).with_context(|| format!("can't use the points in `{}`", path.display()))?;
+    let text = std::str::from_utf8(&bytes).with_context(|| {
+        format!("can't use the points in `{}`: they are not UTF-8 text; save them as CSV in UTF-8", path.display())
+    })?;
+    let points = parse(text, origin).with_context(|| format!("can't use the points in `{}`", path.display()))?;
     Ok((file_name(path), points))
 }
 
 fn parse(text: &str, origin: DVec3) -> anyhow::Result<Vec<Point>> {
     let text = text.trim_start_matches('\u{feff}');
     let first_line = text.lines().next().unwrap_or_default();
-    ensure!(!first_line.trim().is_empty(), "the file is empty, or its first line is");
+    ensure!(!first_line.trim().is_empty(), "its first line is empty; it must name the columns x, y and z");
     let delimiter = if first_line.contains(';') { b';' } else { b',' };
     let mut reader =
         csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers()?.iter().map(str::to_ascii_lowercase).collect();
+    for name in ["x", "y", "z", "nx", "ny", "nz", "id"] {
+        let count = names.iter().filter(|other| *other == name).count();
+        ensure!(count <= 1, "its first line names the column {name} {count} times");
+    }
     let column = |name: &str| names.iter().position(|other| other == name);
     let place: Vec<usize> = ["x", "y", "z"].iter().filter_map(|name| column(name)).collect();
     let [x, y, z] = place[..] else {
@@ -44,10 +50,16 @@ fn parse(text: &str, origin: DVec3) -> anyhow::Result<Vec<Point>> {
     for record in reader.records() {
         let record = record?;
         let line = record.position().map_or(0, csv::Position::line);
+        ensure!(
+            record.len() <= names.len(),
+            "line {line} has {} values for {} columns; write decimals with a point, or separate columns by semicolons",
+            record.len(),
+            names.len()
+        );
         let number = |column: usize| -> anyhow::Result<f64> {
             let cell = record.get(column).unwrap_or_default();
             let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
-            number.with_context(|| format!("line {line}: `{cell}` in column {} is not a number", names[column]))
+            number.with_context(|| format!("line {line}: `{cell}` in column {} is not a finite number", names[column]))
         };
         let position = DVec3::new(number(x)?, number(y)?, number(z)?) - origin;
         let normal = match normal[..] {
@@ -85,11 +97,13 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         let cases = [
-            ("", "the file is empty"),
+            ("", "its first line is empty"),
+            ("x,y,z,x\n1,2,3,4\n", "names the column x 2 times"),
+            ("x,y,z\n1,5,2,5,3\n", "line 2 has 5 values for 3 columns"),
             ("x,y\n1,2\n", "must name the columns x, y and z"),
             ("x,y,z\n", "a header and no point"),
-            ("x,y,z\n1,2,3\n1,two,3\n", "line 3: `two` in column y is not a number"),
-            ("x,y,z\n1,2\n", "line 2: `` in column z is not a number"),
+            ("x,y,z\n1,2,3\n1,two,3\n", "line 3: `two` in column y is not a finite number"),
+            ("x,y,z\n1,2\n", "line 2: `` in column z is not a finite number"),
             ("x,y,z\n1,2,inf\n", "line 2: `inf` in column z"),
             ("x,y,z,nx,ny,nz\n1,2,3,0,0,0\n", "line 2: the normal is zero"),
             ("x,y,z,nx\n1,2,3,0\n", "all three or none"),

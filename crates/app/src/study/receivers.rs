@@ -1,6 +1,6 @@
 //! Where receivers stand: what was asked, and a good answer to what was left unsaid.
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use glam::{DVec2, DVec3};
 use umbrae_core::{Bounds, SurfaceKind};
 use umbrae_study::{GroundGrid, GroupKind, LIFT_M, Receivers};
@@ -15,6 +15,9 @@ const USUAL_CELLS: f64 = 120_000.0;
 const MOST_CELLS: f64 = 400e6;
 /// A shadow is followed for so many heights of what casts it when the ground to study is chosen…
 const FOLLOWED_HEIGHTS: f64 = 2.0;
+/// Points further from the models than this, and than so many of their sizes, are in other coordinates.
+const FAR_M: f64 = 5000.0;
+const FAR_SIZES: f64 = 5.0;
 /// …and around everything so many metres are left.
 const MARGIN_M: f64 = 5.0;
 
@@ -60,6 +63,26 @@ pub(super) fn receivers(
     }
     if let Some(path) = &args.points {
         let (name, points) = points::read(path, models.scene.origin)?;
+        let bounds = models.bounds();
+        let away = |p: DVec3| (p - p.clamp(bounds.min, bounds.max)).length();
+        let farthest = points.iter().max_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        if let Some((id, point, _)) =
+            farthest.filter(|point| away(point.1) > FAR_M + FAR_SIZES * bounds.size().length())
+        {
+            let [low, high, at] = [bounds.min, bounds.max, *point].map(|p| p + models.scene.origin);
+            bail!(
+                "can't use the points in `{}`: point `{id}` at {:.1}, {:.1} is {:.0} km from the models, which lie between {:.1}, {:.1} and {:.1}, {:.1}; \
+                 points are in the models' coordinates, not in longitude and latitude",
+                path.display(),
+                at.x,
+                at.y,
+                away(*point) / 1000.0,
+                low.x,
+                low.y,
+                high.x,
+                high.y
+            );
+        }
         receivers.add_points(name, points, &situation.solids);
     }
     let asked = on.iter().map(|on| on.name()).collect::<Vec<_>>().join(", ");

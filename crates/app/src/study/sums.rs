@@ -44,6 +44,11 @@ impl Sum {
         self.lit_s / 3600.0
     }
 
+    /// The longest sun without a break in hours, which rounding does not make longer than all.
+    pub(crate) fn longest_hours(&self) -> f64 {
+        (f64::from(self.longest_s) / 3600.0).min(self.hours())
+    }
+
     /// As it is kept between runs.
     pub(crate) fn to_bytes(self) -> [u8; SUM_BYTES] {
         let [first, last] = self.first_last.map_or([0; 2], |both| both.map(Timestamp::as_millisecond));

@@ -10,7 +10,7 @@
 //! Rows and sums don't depend on the order of blocks nor on the number of threads, so a study that was killed and is resumed
 //! ends with the same bytes as one that ran through.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,10 +19,12 @@ use std::sync::atomic::AtomicBool;
 use anyhow::{Context as _, ensure};
 use glam::DVec3;
 use rayon::prelude::*;
+use sha2::{Digest as _, Sha256};
 use umbrae_study::{Blockers, Packets, Receivers, Refinement, Step, SunHours};
 use web_time::Instant;
 
-use super::rows::{RowShape, bit, for_each_row, rows_of, write_rows};
+use super::inputs::hex;
+use super::rows::{RowShape, bit, for_each_row, read_row, rows_of, write_rows};
 use super::sums::{SUM_BYTES, Sum};
 
 /// A block's words and its rows have this much memory together…
@@ -65,8 +67,8 @@ pub(crate) struct Computed {
 pub(super) struct Workshop {
     folder: PathBuf,
     journal: File,
-    /// State and first packet of the blocks that are finished.
-    done: BTreeSet<(usize, usize)>,
+    /// The blocks that are finished, by state and first packet: what stands for their bytes.
+    done: BTreeMap<(usize, usize), String>,
 }
 
 impl Workshop {
@@ -99,8 +101,9 @@ impl Workshop {
         // The last line may be cut off: then its block is done again.
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let done = whole.lines().filter_map(|line| {
-            let (state, packet) = line.split_once(' ')?;
-            Some((state.parse().ok()?, packet.parse().ok()?))
+            let mut words = line.split(' ');
+            let [state, packet, digest] = [words.next()?, words.next()?, words.next()?];
+            Some(((state.parse().ok()?, packet.parse().ok()?), digest.to_owned()))
         });
         let done = done.collect();
         fs::write(&journal_path, whole).with_context(cant)?;
@@ -138,7 +141,13 @@ impl Workshop {
         let block = block_packets(job.packets.len(), most_steps);
         for first in (0..job.packets.len()).step_by(block) {
             let range = first..job.packets.len().min(first + block);
-            if self.done.contains(&(job.state, first)) {
+            let mut receivers: Vec<usize> =
+                range.clone().flat_map(|packet| job.packets.members(packet)).map(|&r| r as usize).collect();
+            receivers.sort_unstable();
+            // What was damaged since is computed again.
+            if let Some(digest) = self.done.get(&(job.state, first))
+                && *digest == digest_of_files(&rows, &sums, &receivers, shape)?
+            {
                 packets_done(range.len() as u64);
                 continue;
             }
@@ -179,11 +188,12 @@ impl Workshop {
                     (*receiver, Sum::new(&hours, undecided_of(*receiver)).to_bytes())
                 })
                 .collect();
+            let digest = digest(block_rows.iter().zip(&block_sums).map(|((_, row), (_, sum))| (&row[..], &sum[..])));
             let written = write_rows(&mut rows, &block_rows)
                 .and_then(|()| write_rows(&mut sums, &block_sums))
                 .and_then(|()| rows.sync_data())
                 .and_then(|()| sums.sync_data())
-                .and_then(|()| writeln!(self.journal, "{} {first}", job.state));
+                .and_then(|()| writeln!(self.journal, "{} {first} {digest}", job.state));
             packets_done(range.len() as u64);
             written.with_context(|| format!("can't write to `{}`", self.folder.display()))?;
         }
@@ -205,6 +215,25 @@ impl Workshop {
         };
         open().with_context(|| format!("can't write `{}`", path.display()))
     }
+}
+
+/// Stands for the bytes of a block: a row and a sum for each receiver, in their order.
+fn digest<'a>(both: impl Iterator<Item = (&'a [u8], &'a [u8])>) -> String {
+    let mut hasher = Sha256::new();
+    for (row, sum) in both {
+        hasher.update(row);
+        hasher.update(sum);
+    }
+    hex(&hasher.finalize())
+}
+
+/// [`digest`] of what is in the files for `receivers`.
+fn digest_of_files(rows: &File, sums: &File, receivers: &[usize], shape: RowShape) -> anyhow::Result<String> {
+    let read = |&receiver: &usize| -> std::io::Result<(Vec<u8>, Vec<u8>)> {
+        Ok((read_row(rows, receiver, shape.stride())?, read_row(sums, receiver, SUM_BYTES)?))
+    };
+    let both: Vec<_> = receivers.iter().map(read).collect::<Result<_, _>>()?;
+    Ok(digest(both.iter().map(|(row, sum)| (&row[..], &sum[..]))))
 }
 
 /// How many packets a block has; the same on every machine, as blocks are what is resumed.

@@ -10,6 +10,7 @@ fn every_mistake_is_one_sentence_with_the_way_out() {
     let place = Place::new();
     place.file("slab.obj", SLAB);
     place.file("points.csv", "x,y,z\n1,2,three\n");
+    place.file("degrees.csv", "x,y,z\n1600000,480000,0\n");
     place.file("a file", "");
     let cases: &[(&str, &[&str])] = &[
         ("slab.obj --date 2026-09-18", &["not known", "--lat and --lon"]),
@@ -20,6 +21,14 @@ fn every_mistake_is_one_sentence_with_the_way_out() {
         ("slab.obj --lat 48 --lon 16 --date 2026-03-29 --from 02:30 --to 09:00", &["02:30", "2026-03-29"]),
         ("slab.obj --lat 48 --lon 16 --date 2026-09-18 --points points.csv", &["points.csv", "line 2", "`three`"]),
         ("slab.obj --lat 48 --lon 16 --date 2026-09-18 --points nosuch.csv", &["nosuch.csv"]),
+        (
+            "slab.obj --lat 48 --lon 16 --date 2026-09-18 --points degrees.csv",
+            &[
+                "degrees.csv",
+                "point `0` at 1600000.0, 480000.0 is 1670 km from the models",
+                "not in longitude and latitude",
+            ],
+        ),
         ("slab.obj --lat 48 --lon 16 --date 2026-09-18 --spacing 0.00001", &["--spacing"]),
         ("slab.obj --lat 48 --lon 16 --date 2026-09-18 --spacing -1", &["not a length"]),
         ("slab.obj --lat 48 --lon 16 --date 2026-09-18 --rule nosuch", &["nosuch", "en17037"]),

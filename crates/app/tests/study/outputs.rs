@@ -254,8 +254,12 @@ fn what_does_not_cast_takes_no_sun() {
 #[test]
 fn refined_hours_are_those_of_steps_of_seconds_and_bits_those_of_the_steps() {
     let place = Place::new();
-    let studied = |name: &str, more: &str| slab(&place, name, &format!("--spacing 9 {more}"));
-    let (rough, refined, fine) = (studied("rough", ""), studied("refined", "--refine"), studied("fine", "--step 5s"));
+    // Points and not a grid, which is where shadows are, and so depends on the steps.
+    let points = (0..120).map(|i| format!("{},{},0\n", -50 + 9 * (i % 12), -4 + 5 * (i / 12)));
+    let points = place.file("points.csv", format!("x,y,z\n{}", points.collect::<String>()));
+    let studied = |name: &str, more: &str| slab(&place, name, &format!("--points {points} {more}"));
+    let rough = studied("rough", "--step 15min");
+    let (refined, fine) = (studied("refined", "--refine"), studied("fine", "--step 5s"));
     assert_eq!(rough.array::<u8>("bits.npz", "bits"), refined.array::<u8>("bits.npz", "bits"));
     let mut changing = 0;
     for ((rough, refined), fine) in rough.rows().iter().zip(refined.rows()).zip(fine.rows()) {
@@ -270,5 +274,5 @@ fn refined_hours_are_those_of_steps_of_seconds_and_bits_those_of_the_steps() {
         assert!(rough_s <= rough.number("error_s") + error_s + 0.01, "{rough_s} s apart without refinement");
         changing += u32::from(rough.number("error_s") > 0.0);
     }
-    assert!(changing > 50, "{changing} receivers see the sun come or go");
+    assert!(changing > 30, "{changing} receivers see the sun come or go");
 }

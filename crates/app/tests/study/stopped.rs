@@ -42,13 +42,34 @@ fn a_study_that_is_killed_and_resumed_ends_with_the_same_bytes() {
     child.kill().expect("it is ours");
     child.wait().expect("it ends");
     let [whole, killed] = ["whole", "killed"].map(|name| Studied::there(&place, name));
-    assert_eq!(killed.names(), [".umbrae"], "no result is there before all are");
+    assert_eq!(killed.names(), [".umbrae", ".umbrae-lock"], "no result is there before all are");
+    // What a killed study leaves half written is cleared away, and what is damaged is computed again.
+    fs::write(killed.path(".umbrae-half.part"), "half").expect("the folder can be written");
+    let rows = killed.path(".umbrae/rows-0");
+    let mut bytes = fs::read(&rows).expect("there are rows");
+    let half = bytes.len() / 2;
+    bytes[..half].fill(0);
+    fs::write(&rows, bytes).expect("it can be written");
 
     assert!(start(&place, "killed", &["--resume"]).wait().expect("it ends").success());
     assert_eq!(whole.names(), killed.names());
     for name in ["bits.npz", "hours.tif", "hours.png", "receivers.csv", "objects.csv"] {
         assert!(whole.bytes(name) == killed.bytes(name), "{name}");
     }
+}
+
+#[test]
+fn two_studies_do_not_write_to_one_folder() {
+    let place = Place::new();
+    place.file("slab.obj", SLAB);
+    let mut first = start(&place, "s", &[]);
+    wait_for_blocks(&place, "s", &mut first);
+    let args: Vec<&str> = ["study", "-o", "out/s"].into_iter().chain(LONG.split_whitespace()).collect();
+    let said = place.umbrae(&args).code(2).get_output().stderr.clone();
+    first.kill().expect("it is ours");
+    first.wait().expect("it ends");
+    let said = String::from_utf8_lossy(&said).into_owned();
+    assert!(said.contains("another study is writing to `out/s`"), "{said}");
 }
 
 #[test]

@@ -23,6 +23,9 @@ pub use terrain::Terrain;
 /// known to.
 pub const LIFT_M: f64 = 0.01;
 
+/// Houses may stand so much higher than the level that is taken for the ground, in metres. The crown of a tree, under which is shade, is higher.
+pub const FOOT_M: f64 = 1.2;
+
 /// All the points of a study, in groups that belong together.
 ///
 /// The lists are of one length, and the groups' ranges cover them in order.
@@ -83,11 +86,18 @@ impl Receivers {
 
     /// Adds a grid on the ground: on `terrain` where there is some above or below, else at the grid's level.
     ///
-    /// Those inside of `solids` are marked.
+    /// Those inside of `solids` are marked, and off the terrain also those up to [`FOOT_M`] below one: its floor is higher than the level that stands for
+    /// the ground.
     pub fn add_ground(&mut self, grid: GroundGrid, terrain: &Terrain, solids: &Solids) {
         let points = grid.points(terrain);
-        let inside = solids.hold(&points);
-        self.add("ground".to_owned(), GroupKind::Ground(grid), points.into_iter().map(|p| (p, Vec3::ZERO)), inside);
+        let positions: Vec<DVec3> = points.iter().map(|point| point.0).collect();
+        let mut inside = solids.hold(&positions);
+        let foot = |&(p, is_on_terrain): &(DVec3, bool)| if is_on_terrain { p } else { p + FOOT_M * DVec3::Z };
+        let feet: Vec<DVec3> = points.iter().map(foot).collect();
+        for (is_inside, is_below) in inside.iter_mut().zip(solids.hold(&feet)) {
+            *is_inside |= is_below;
+        }
+        self.add("ground".to_owned(), GroupKind::Ground(grid), positions.into_iter().map(|p| (p, Vec3::ZERO)), inside);
     }
 
     /// Adds points on those surfaces of caster `object` whose triangles have `kinds` (one for each triangle) equal to `surface`, about one in each

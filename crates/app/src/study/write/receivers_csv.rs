@@ -56,7 +56,7 @@ pub(super) fn write(results: &Results, folder: &mut Folder) -> anyhow::Result<()
                     latest,
                     sum.map_or_else(String::new, |sum| sum.undecided.to_string()),
                     sum.map_or_else(String::new, |sum| sum.error_s.to_string()),
-                    sum.map_or_else(String::new, |sum| (sum.longest_s / 3600.0).to_string()),
+                    sum.map_or_else(String::new, |sum| sum.longest_hours().to_string()),
                     on(group).to_owned(),
                     group.name.clone(),
                     if last.is_inside[receiver] {

@@ -46,6 +46,17 @@ pub(super) fn write(
         return Ok(None);
     }
     let models = &results.models;
+    if results.frame.crs.is_none() {
+        said.push(format!(
+            "`{name}` is in metres of the models' own, as they have no coordinate reference system: programs for maps take that for degrees; give --crs if there is one"
+        ));
+    }
+    if models.has_terrain() {
+        said.push(format!(
+            "the outlines in `{name}` are those on level ground at {:.1} m; hours are of receivers on the terrain",
+            models.ground_level() + results.frame.origin.z
+        ));
+    }
     let casting: Vec<usize> = state.objects.iter().copied().filter(|&i| casts_on_ground(results, i)).collect();
     let casters: Vec<Caster> = casting.iter().map(|&i| models.casters[i].clone()).collect();
     let names: Vec<String> = casters.iter().map(|caster| caster.name.clone()).collect();
