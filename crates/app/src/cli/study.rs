@@ -12,7 +12,7 @@ use crate::parse::metres;
 /// What receivers stand on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum On {
-    /// A grid on the ground: on terrain where the model has some, else level with its lowest point
+    /// A grid on the ground: on terrain where the model has some, else level (--ground)
     Ground,
     /// Points on roofs
     Roof,
