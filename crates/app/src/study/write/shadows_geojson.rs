@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -66,9 +67,11 @@ pub(super) fn write(
     }
     let level = models.ground_level();
     let projection = Projection::new(&casters, level);
-    let frame = reach(&Caster::bounds_of(&casters));
+    let reach = reach(&Caster::bounds_of(&casters));
+    let frame = Outline::rectangle(reach[0], reach[1]);
     let plane = Plane::new(&results.frame);
     let mut profile = Profile::new(0);
+    let cut = AtomicUsize::new(0);
     folder.write(&name, |file| {
         write_head(results, level, file)?;
         let mut separator = "\n";
@@ -79,7 +82,12 @@ pub(super) fn write(
             }
             Ok(())
         };
-        let feature = |outline: &Outline, properties: Value| -> Option<String> {
+        let feature = |outline: &Outline, mut properties: Value| -> Option<String> {
+            let is_cut = outline
+                .bounds()
+                .is_some_and(|[low, high]| [low, high] != [low, high].map(|p| p.clamp(reach[0], reach[1])));
+            cut.fetch_add(usize::from(is_cut), Ordering::Relaxed);
+            properties["is_cut"] = is_cut.into();
             let geometry = plane.multipolygon(&outline.intersection(&frame))?;
             Some(json!({ "type": "Feature", "properties": properties, "geometry": geometry }).to_string())
         };
@@ -117,6 +125,12 @@ pub(super) fn write(
         write(feature(&period, properties).into_iter().collect())?;
         Ok(file.write_all(b"\n]}\n")?)
     })?;
+    let cut = cut.into_inner();
+    if cut > 0 {
+        said.push(format!(
+            "{cut} outlines in `{name}` are of a sun so low that they reach further than {LONGEST_HEIGHTS} times the models' height, and are cut there (is_cut; area_m2 is of the whole)"
+        ));
+    }
     Ok(Some(Shadows { names, profile }))
 }
 
@@ -127,9 +141,10 @@ fn casts_on_ground(results: &Results, object: usize) -> bool {
     results.models.casters[object].role.casts && 2 * terrain <= kinds.len()
 }
 
-fn reach(bounds: &Bounds) -> Outline {
+/// The least and the greatest coordinates that are written.
+fn reach(bounds: &Bounds) -> [DVec2; 2] {
     let margin = DVec2::splat(LONGEST_HEIGHTS * bounds.size().z.max(1.0));
-    Outline::rectangle(bounds.min.truncate() - margin, bounds.max.truncate() + margin)
+    [bounds.min.truncate() - margin, bounds.max.truncate() + margin]
 }
 
 fn write_head(results: &Results, level: f64, file: &mut BufWriter<File>) -> anyhow::Result<()> {
