@@ -167,6 +167,19 @@ fn a_large_city_far_from_its_origin_is_as_exact_as_a_small_one() {
 }
 
 #[test]
+fn a_receiver_far_away_is_in_the_shadow_of_a_house_that_rounding_moves() {
+    let house = casters(vec![shapes::cuboid(Vec3::ZERO, Vec3::new(20.0, 20.0, 6.0))]);
+    let mut random = Random(6);
+    // Along the shadow of a low sun, some kilometres away, about the shadow's edges.
+    let sun = DVec3::new(-1.0, 0.0, 0.001).normalize_or_zero();
+    let points = (0..4000).map(|_| {
+        let x = random.between(1000.0, 5500.0);
+        (DVec3::new(x, random.between(-0.01, 0.01) + if random.unit() < 0.5 { 0.0 } else { 20.0 }, 0.0), Vec3::ZERO)
+    });
+    assert_agrees(&house, &receivers(points.collect()), &[Some(sun)], 0.9);
+}
+
+#[test]
 fn nothing_casts_nothing_and_every_thread_finds_the_same() {
     let points: Vec<_> = (0..200).map(|i| (DVec3::new(f64::from(i), 0.0, 0.0), Vec3::ZERO)).collect();
     let receivers = receivers(points);

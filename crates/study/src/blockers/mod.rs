@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use umbrae_core::{Caster, RayCaster};
+use umbrae_core::{Bounds, Caster, RayCaster};
 
 use crate::{Exposure, Packets, Receivers};
 use shaft::{Care, Cell, LightSpace};
@@ -24,9 +24,12 @@ pub struct Blockers {
     tree: Tree,
     rays: RayCaster,
     margin_m: f64,
-    /// What boxes are widened by.
-    pad: f32,
+    /// Holds the triangles; empty without any.
+    bounds: Bounds,
 }
+
+/// What rounding moves the side of a box in light space, in parts of its distance from the receiver; see `shaft.rs`.
+const BOX_ROUNDING: f64 = 4e-6;
 
 /// A verdict is decided if it holds for every point so near; less in scenes smaller than a house.
 const MARGIN_M: f64 = 1e-3;
@@ -37,12 +40,12 @@ const MARGIN_OF_RADIUS: f64 = 1e-5;
 impl Blockers {
     /// Makes `casters` ready.
     pub fn new(casters: &[Caster]) -> Self {
-        let radius = Caster::bounds_of(casters).radius().max(0.0);
-        let margin_m = MARGIN_M.min(MARGIN_OF_RADIUS * radius);
+        let bounds = Caster::bounds_of(casters);
+        let margin_m = MARGIN_M.min(MARGIN_OF_RADIUS * bounds.radius());
         let quads = casters.par_iter().flat_map_iter(|caster| quads::quads_of(caster, margin_m)).collect();
         let parts = casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles()));
         let (tree, rays) = rayon::join(|| Tree::new(quads), || RayCaster::new(parts));
-        Self { tree, rays, margin_m, pad: (2.0 * margin_m + 4e-6 * radius) as f32 }
+        Self { tree, rays, margin_m, bounds }
     }
 
     /// The ray caster over the same triangles; part `i` of it is caster `i`.
@@ -107,7 +110,7 @@ impl Blockers {
         let of = |&r: &u32| (receivers.positions[r as usize].to_array(), receivers.normals[r as usize].to_array());
         let cell = Cell::new(&members.iter().map(of).collect::<Vec<_>>());
         let mut near = Vec::new();
-        let care = Care { margin: self.margin_m as f32, pad: self.pad };
+        let care = Care { margin: self.margin_m as f32, pad: self.pad(cell.middle) };
         shaft::shade_all(&self.tree, &cell, lights, care, |step, shade| {
             row[step] = cell.used & !shade.shadow;
             if shade.near != 0 {
@@ -130,6 +133,15 @@ impl Blockers {
             }
         }
         undecided
+    }
+
+    /// What boxes are widened by for receivers about `middle`: more than the margin, and than rounding over the way to the farthest triangle.
+    fn pad(&self, middle: [f32; 3]) -> f32 {
+        let middle = Vec3::from_array(middle).as_dvec3();
+        let farthest = (self.bounds.max - middle).abs().max((self.bounds.min - middle).abs()).length();
+        // Without triangles nothing is far.
+        let farthest = if self.bounds.is_empty() { 0.0 } else { farthest };
+        (2.0 * self.margin_m + BOX_ROUNDING * farthest) as f32
     }
 
     /// Whether four points at the margin around a receiver, across the rays, have its verdict.
