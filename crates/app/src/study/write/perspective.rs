@@ -23,8 +23,8 @@ const SIZE_PX: [u32; 2] = [1600, 900];
 /// Samples of a pixel: shadow edges are smooth.
 const SAMPLES: u32 = 4;
 
-/// More suns than so many take long to draw; then they are those of steps in even distances.
-const MOST_SUNS: usize = 32;
+/// More suns than so many take long to draw without a graphics card, about a second each for a town; then they are those of steps in even distances.
+const MOST_SUNS: usize = 8;
 /// Each sun lights level ground alike, however low it is, but not one lower than this sine of its altitude: walls would be white.
 const LOW_SUN: f64 = 0.25;
 
