@@ -46,8 +46,8 @@ impl Refinement {
             }
             runs.push((start, end, path));
         }
-        let suns = steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
         let timetable = Timetable { days: timetable.days.clone(), steps };
+        let suns = timetable.directions(north_rad);
         Ok(Self { timetable, suns, runs, options: *options, north_rad })
     }
 

@@ -1,5 +1,6 @@
 //! The moments of a study, each with its sun.
 
+use glam::DVec3;
 use jiff::civil::{Date, DateTime};
 use jiff::tz::Offset;
 use jiff::{SignedDuration, Timestamp};
@@ -122,6 +123,11 @@ impl Timetable {
                 format!("{} to {}", offset_s_text(first.utc_offset_s), offset_s_text(last.utc_offset_s))
             }
         }
+    }
+
+    /// For each step the direction to the sun in a scene; `None` where it does not count. `north_rad` as for [`Sun::direction`].
+    pub fn directions(&self, north_rad: f64) -> Vec<Option<DVec3>> {
+        self.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect()
     }
 
     /// Indices of the steps of day `day`.

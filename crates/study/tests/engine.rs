@@ -112,6 +112,22 @@ fn overlapping_closed_boxes_shade_the_ground_and_each_other() {
 }
 
 #[test]
+fn ground_under_a_house_that_stands_little_higher_is_built_on_whenever_it_is_asked() {
+    let above = |z: f32| casters(vec![shapes::cuboid(Vec3::new(0.0, 0.0, z), Vec3::new(10.0, 10.0, z + 8.0))]);
+    let solids = |casters: &[Caster]| {
+        let kinds: Vec<_> = casters.iter().map(|c| umbrae_study::kind_of_triangles(c, &[])).collect();
+        Solids::new(casters, &kinds)
+    };
+    let (low, high) = (solids(&above(1.0)), solids(&above(3.0)));
+    let mut receivers = Receivers::default();
+    let grid = GroundGrid::covering(DVec2::splat(-5.0), DVec2::splat(15.0), 1.0, 0.0);
+    receivers.add_ground(grid, &Terrain::new(&[], &[]), &low);
+    assert_eq!(receivers.is_inside.iter().filter(|&&inside| inside).count(), 100);
+    assert_eq!(receivers.inside_of(&low), receivers.is_inside);
+    assert!(!receivers.inside_of(&high).contains(&true), "one walks under a house on posts");
+}
+
+#[test]
 fn suns_along_the_axes_and_receivers_on_edges_are_decided_by_rays_or_not_at_all() {
     let tower = shapes::cuboid(Vec3::ZERO, Vec3::new(10.0, 10.0, 30.0));
     let mut points = Vec::new();

@@ -64,7 +64,7 @@ pub(super) fn judge(
     let timetable =
         Timetable::new(&site.place, &period, &options).with_context(|| format!("can't judge {}", rule.title))?;
     let north_rad = site.north_deg.to_radians();
-    let suns = timetable.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
+    let suns = timetable.directions(north_rad);
     let moments = if results.refinement.is_some() {
         let fine = Refinement::new(&site.place, &timetable, &options, north_rad)?;
         Moments { timetable: fine.timetable().clone(), suns: fine.suns().to_vec(), refinement: Some(fine) }

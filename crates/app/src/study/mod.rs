@@ -23,7 +23,6 @@ mod write;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
-use glam::DVec3;
 use umbrae_study::rules::Rule;
 use umbrae_study::{Packets, Receivers, Refinement};
 use web_time::Instant;
@@ -73,8 +72,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     let north_rad = site.north_deg.to_radians();
     let refinement =
         if args.refine { Some(Refinement::new(&site.place, &timetable, &site.options, north_rad)?) } else { None };
-    let suns: Vec<Option<DVec3>> =
-        timetable.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect();
+    let suns = timetable.directions(north_rad);
     timings.load_s = seconds_since(begin);
 
     let start = Instant::now();
@@ -148,7 +146,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
 
 /// For each situation, which receivers are inside of its solids.
 fn insides(situations: &[Situation], receivers: &Receivers) -> Vec<Vec<bool>> {
-    let of = |situation: &Situation| situation.solids.hold(&receivers.positions);
+    let of = |situation: &Situation| receivers.inside_of(&situation.solids);
     match situations {
         // The receivers know that themselves.
         [_] => vec![receivers.is_inside.clone()],

@@ -52,13 +52,13 @@ impl GroundGrid {
         self.first + self.spacing * DVec2::new(column as f64, -(row as f64))
     }
 
-    /// The middles, on `terrain` where there is some, and whether they are.
-    pub(super) fn points(&self, terrain: &Terrain) -> Vec<(DVec3, bool)> {
+    /// The middles, on `terrain` where there is some.
+    pub(super) fn points(&self, terrain: &Terrain) -> Vec<DVec3> {
         (0..self.len())
             .into_par_iter()
             .map(|i| {
                 let middle = self.middle(i % self.columns, i / self.columns);
-                terrain.above(middle).map_or((middle.extend(self.level), false), |point| (point, true))
+                terrain.above(middle).unwrap_or(middle.extend(self.level))
             })
             .collect()
     }

@@ -89,15 +89,21 @@ impl Receivers {
     /// Those inside of `solids` are marked, and off the terrain also those up to [`FOOT_M`] below one: its floor is higher than the level that stands for
     /// the ground.
     pub fn add_ground(&mut self, grid: GroundGrid, terrain: &Terrain, solids: &Solids) {
-        let points = grid.points(terrain);
-        let positions: Vec<DVec3> = points.iter().map(|point| point.0).collect();
-        let mut inside = solids.hold(&positions);
-        let foot = |&(p, is_on_terrain): &(DVec3, bool)| if is_on_terrain { p } else { p + FOOT_M * DVec3::Z };
-        let feet: Vec<DVec3> = points.iter().map(foot).collect();
-        for (is_inside, is_below) in inside.iter_mut().zip(solids.hold(&feet)) {
-            *is_inside |= is_below;
-        }
+        let positions = grid.points(terrain);
+        let inside = hold_ground(&grid, &positions, solids);
         self.add("ground".to_owned(), GroupKind::Ground(grid), positions.into_iter().map(|p| (p, Vec3::ZERO)), inside);
+    }
+
+    /// For each receiver whether it is inside of `solids`, as when it was added: for other solids than those.
+    pub fn inside_of(&self, solids: &Solids) -> Vec<bool> {
+        let of_group = |group: &Group| {
+            let positions = &self.positions[group.range.clone()];
+            match &group.kind {
+                GroupKind::Ground(grid) => hold_ground(grid, positions, solids),
+                GroupKind::Surface { .. } | GroupKind::Points { .. } => solids.hold(positions),
+            }
+        };
+        self.groups.iter().flat_map(of_group).collect()
     }
 
     /// Adds points on those surfaces of caster `object` whose triangles have `kinds` (one for each triangle) equal to `surface`, about one in each
@@ -166,6 +172,19 @@ impl Receivers {
             self.groups.push(Group { name, kind, range: start..self.len() });
         }
     }
+}
+
+/// Which points on the ground are inside of `solids`, or where no terrain says how high the ground is, up to [`FOOT_M`] below.
+fn hold_ground(grid: &GroundGrid, points: &[DVec3], solids: &Solids) -> Vec<bool> {
+    let mut inside = solids.hold(points);
+    // Terrain is never level with the grid to the last bit but by chance, and then it does not matter.
+    let is_asked = |i: &usize| !inside[*i] && points[*i].z == grid.level;
+    let asked: Vec<usize> = (0..points.len()).filter(is_asked).collect();
+    let feet: Vec<DVec3> = asked.iter().map(|&i| points[i] + FOOT_M * DVec3::Z).collect();
+    for (i, is_below) in asked.into_iter().zip(solids.hold(&feet)) {
+        inside[i] = is_below;
+    }
+    inside
 }
 
 /// Rays against the triangles of `casters` whose kind `is_wanted`; part `i` is caster `i`.
