@@ -37,6 +37,7 @@ mod scene;
 mod screen;
 pub mod shapes;
 mod silhouette;
+mod smooth;
 mod sphere;
 mod texture;
 mod topology;
@@ -64,6 +65,7 @@ pub use screen::PixelRect;
 pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
 };
+pub use smooth::{NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals};
 pub use sphere::{Sphere, SphereVolume};
 pub use texture::{Texture, Wrap};
 pub use topology::{Component, Edge, Topology, TopologyCounts};
