@@ -4,6 +4,7 @@
 //!   normals      one for each corner, given or computed, with creases
 //!   body         the mesh split at creases, once for all lights
 //!   curve        the cubic between two points with known normals
+//!   islands      small parts that are turned the wrong way
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   volume       the silhouette of a body under a light, and the volume that it closes
 //! ```
@@ -12,6 +13,7 @@
 
 mod body;
 mod curve;
+mod islands;
 mod normals;
 mod precision;
 #[cfg(test)]
