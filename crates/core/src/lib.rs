@@ -37,6 +37,7 @@ mod scene;
 mod screen;
 pub mod shapes;
 mod silhouette;
+mod smooth;
 mod sphere;
 mod texture;
 mod topology;
@@ -54,7 +55,7 @@ pub use disc::{SUN_DIAMETER_RAD, disc_sector, disc_share};
 pub use light::{Cone, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, Verdict};
-pub use overlap::{most_overlaps, needs_light_cap, split_chain};
+pub use overlap::{most_overlaps, most_stacked, needs_light_cap, split_chain};
 pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
 pub use reach::Reach;
@@ -63,6 +64,9 @@ pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError, Sur
 pub use screen::PixelRect;
 pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
+};
+pub use smooth::{
+    NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals, given_normals,
 };
 pub use sphere::{Sphere, SphereVolume};
 pub use texture::{Texture, Wrap};
