@@ -72,7 +72,8 @@ impl SunHours {
     /// its length.
     ///
     /// Between two steps that follow each other without a gap the share is taken to be between theirs: that adds half of the longer one, times by how much the
-    /// shares differ, to the bound. For shares of 0 and 1 everything is as [`SunHours::of_steps`] has it.
+    /// shares differ, to the bound. What changes within the first half of a run's first step, or the last of its last, is not in it: at sunrise that is what the disc
+    /// takes to rise, some minutes, less than a step as a rule. For shares of 0 and 1 everything is as [`SunHours::of_steps`] has it.
     pub fn of_shares(steps: &[Step], share_at: impl Fn(usize) -> f64) -> Self {
         let mut hours = Self::default();
         let mut share_before = 0.0;

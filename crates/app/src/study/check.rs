@@ -62,6 +62,8 @@ pub(super) fn check(
 
 /// However long the period, so many shares are a sample: each takes a millisecond or less.
 const MOST_SHARES: usize = 8_000;
+/// Of each receiver so many more that are neither nothing nor all.
+const MOST_PARTIAL: usize = 4;
 /// Rays to a disc: first so many squared…
 const FIRST_SIDE: u32 = 16;
 /// …and where those find a share that differs by more than this, which is one and a half standard deviations of the worst scene…
@@ -70,7 +72,8 @@ const NOTICED: f64 = 0.05;
 const DECISIVE_SIDE: u32 = 64;
 const DECISIVE: f64 = 5.0 * 0.5 / DECISIVE_SIDE as f64 + 1.0 / 255.0;
 
-/// Estimates by rays what `fractions` say of the sun's disc, for about `sample` receivers of `state`, spread evenly, at some steps each.
+/// Estimates by rays what `fractions` say of the sun's disc, for about `sample` receivers of `state`, spread evenly, at some steps each and at some more at which they
+/// see part.
 ///
 /// # Errors
 ///
@@ -92,8 +95,9 @@ pub(super) fn check_disc(
     let rows = rows.collect::<std::io::Result<Vec<_>>>()?;
     let of_receiver = |(i, (receiver, row)): (usize, &(usize, Vec<u8>))| {
         let (position, normal) = (receivers.positions[*receiver], receivers.normals[*receiver]);
-        // Not the same steps for each.
-        let steps = days.iter().skip(i % every).step_by(every);
+        // Not the same steps for each; and as few see part, some of those besides.
+        let is_partial = |&&(step, _): &&(usize, DVec3)| (1..u8::MAX).contains(&row[step]);
+        let steps = days.iter().skip(i % every).step_by(every).chain(days.iter().filter(is_partial).take(MOST_PARTIAL));
         let look = |&(step, to_sun): &(usize, DVec3)| {
             let share = from_byte(row[step]);
             let by_rays = |side| situation.blockers.visible_share_by_rays(position, normal, to_sun, side);

