@@ -55,7 +55,7 @@ pub use disc::{SUN_DIAMETER_RAD, disc_sector, disc_share};
 pub use light::{Cone, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, Verdict};
-pub use overlap::{most_overlaps, needs_light_cap, split_chain};
+pub use overlap::{most_overlaps, most_stacked, needs_light_cap, split_chain};
 pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
 pub use reach::Reach;

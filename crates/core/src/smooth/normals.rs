@@ -29,7 +29,7 @@ pub fn corner_normals(caster: &Caster, given: &[[Vec3; 3]], crease_rad: f64) -> 
         let face = face_normal(caster, t);
         std::array::from_fn(|i| {
             let unit = given[i].as_dvec3().try_normalize();
-            unit.filter(|unit| unit.dot(face) >= LEAST_GIVEN).map_or(computed[i], |unit| unit.as_vec3())
+            unit.filter(|unit| unit.dot(face) >= LEAST_GIVEN).map_or(computed[i], DVec3::as_vec3)
         })
     };
     given.iter().zip(computed).enumerate().map(believed).collect()

@@ -136,3 +136,27 @@ fn what_has_flat_faces_or_no_inside_is_left_alone() {
     let sheet = caster_of(shapes::sheet(Vec3::ZERO, Vec3::X, Vec3::Y, [2, 2]));
     assert_eq!(SmoothBody::new(&sheet, &corner_normals(&sheet, &[], CREASE_RAD)).err(), Some(NotSmooth::Open));
 }
+
+#[test]
+fn counts_are_within_the_bound_and_the_same_on_every_path() {
+    let mut decided = 0;
+    for (name, caster) in bodies() {
+        let body = body_of(&caster);
+        for (i, light) in lights().enumerate().step_by(5) {
+            let volume = SmoothVolume::new(&body, light, &smooth(0.01));
+            let most = volume.most_overlaps(&body, &caster, light) as i32;
+            let (positions, flat) = volume.flattened(&body, &caster);
+            for k in 0..40 {
+                let way = f64::from(k) * 2.4;
+                let point = DVec3::new(way.cos(), way.sin(), (1.7 * way).sin()) * (0.3 + 0.08 * f64::from(k));
+                let counts = [DVec3::new(0.3, 0.2, 0.9), DVec3::new(-0.5, 0.8, -0.1), DVec3::new(0.1, -0.4, -0.7)]
+                    .map(|direction| flat.count_to_infinity(&positions, light, point, direction));
+                let known: Vec<i32> = counts.into_iter().flatten().collect();
+                decided += known.len();
+                assert!(known.iter().all(|&c| c == known[0]), "{name} under light {i} at {point}: {counts:?}");
+                assert!(known.iter().all(|c| c.abs() <= most), "{name} under light {i}: {counts:?} above {most}");
+            }
+        }
+    }
+    assert!(decided > 8000, "{decided} counts");
+}

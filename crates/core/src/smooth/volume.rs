@@ -21,7 +21,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{Caster, Chain, LightPosition, ShadowVolume};
+use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, needs_light_cap};
 
 use super::body::{Crease, SmoothBody};
 use super::curve::Curve;
@@ -31,6 +31,9 @@ use super::precision::Precision;
 const INSET: f64 = 0.02;
 /// And at most, in radii of the body.
 const MOST_INSET: f64 = 2e-3;
+
+/// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
+const EDGE_ON: f32 = 1e-5;
 
 /// So often a crossing is improved.
 const STEPS: u32 = 3;
@@ -57,8 +60,6 @@ pub struct SmoothVolume {
     pub vertices: Vec<(u32, u32)>,
     /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
     turned: Vec<i8>,
-    /// Triangles with both, at most so many of which are one behind the other.
-    pub mixed_triangles: usize,
 }
 
 /// What is needed while a volume is made; kept, so that none is asked for in each frame.
@@ -121,7 +122,6 @@ impl SmoothVolume {
         for crease in &body.creases {
             maker.add_crease(crease);
         }
-        self.mixed_triangles = found.len();
         for crossing in &scratch.crossings {
             scratch.crossing_of_edge[crossing.edge as usize] = NONE;
         }
@@ -157,6 +157,41 @@ impl SmoothVolume {
         let sides = self.sides.iter().map(|side| side.map(name)).collect();
         let positions = [caster.positions.as_slice(), &self.points].concat();
         (positions, ShadowVolume { sides, most_triangles: light_cap.len(), light_cap })
+    }
+
+    /// A number that the count of the volume is nowhere above, nor below its negative, so that a narrow counter is used only where it can't wrap.
+    ///
+    /// A count is what the silhouette winds around the ray from the light, less what faces behind the point add to it and more what they take away: no
+    /// more of these than there are faces, on one ray, that are turned away from the light. Linear in the number of triangles.
+    pub fn most_overlaps(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> u32 {
+        let (positions, volume) = if needs_light_cap(caster, light) {
+            self.flattened(body, caster)
+        } else {
+            let sides = self.sides.clone();
+            (self.points.clone(), ShadowVolume { sides, light_cap: Vec::new(), most_triangles: usize::MAX >> 1 })
+        };
+        let bounds = self.bounds(caster);
+        let (mesh, topology) = (caster.mesh.clone(), caster.topology.clone());
+        let around = Caster { name: String::new(), mesh, topology, positions, bounds, role: caster.role };
+        crate::most_overlaps(&around, &volume, light)
+            .saturating_add(most_stacked(&self.turned_away(body, caster, light), light))
+    }
+
+    /// The box of the caster, and of the silhouette, which may bulge out of it.
+    pub fn bounds(&self, caster: &Caster) -> Bounds {
+        caster.bounds.union(Bounds::of_points(self.points.iter().map(|p| p.as_dvec3())))
+    }
+
+    /// The faces and the triangles of the light cap that show the light their backs.
+    fn turned_away(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> Vec<[DVec3; 3]> {
+        let is_away = |[a, b, c]: &[Vec3; 3]| {
+            let homogeneous = light.homogeneous().as_vec4();
+            let (normal, to_light) = ((*b - *a).cross(*c - *a), homogeneous.truncate() - *a * homogeneous.w);
+            normal.dot(to_light) <= EDGE_ON * normal.length() * to_light.length()
+        };
+        let cap = (0..caster.mesh.triangles().len()).filter(|&t| self.is_in_cap(body, t)).map(|t| caster.corners(t));
+        let faces = self.faces.iter().map(|face| face.map(|p| self.points[p as usize]));
+        cap.chain(faces).filter(is_away).map(|corners| corners.map(Vec3::as_dvec3)).collect()
     }
 
     /// The silhouette as closed loops of points, each without its first one again.

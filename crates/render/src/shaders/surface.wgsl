@@ -25,10 +25,13 @@ struct Finish {
 
 struct Vertex {
     @location(0) position_world: vec3f,
-    // Unit length, the same at all three corners: shadows are exact for flat triangles.
+    // Of the triangle: unit length, the same at all three corners. Shadows are exact for flat triangles.
     @location(1) normal_world: vec3f,
+    // The fourth is 1 where the triangle is flat, else 0.
     @location(2) color_srgb: vec4f,
     @location(3) uv: vec2f,
+    // Of the surface that the triangle stands for, at this corner: unit length. Anything where the triangle is flat.
+    @location(4) shading_normal_world: vec3f,
 }
 
 struct Fragment {
@@ -40,6 +43,8 @@ struct Fragment {
     // device interpolates positions over a triangle as large as the ground.
     @location(3) @interpolate(flat) corner_world: vec3f,
     @location(4) uv: vec2f,
+    @location(5) shading_normal_world: vec3f,
+    @location(6) @interpolate(flat) flatness: f32,
 }
 
 @vertex
@@ -51,6 +56,8 @@ fn vs_surface(vertex: Vertex) -> Fragment {
     out.corner_world = vertex.position_world;
     out.color = linear_from_srgb(vertex.color_srgb.rgb);
     out.uv = vertex.uv;
+    out.shading_normal_world = vertex.shading_normal_world;
+    out.flatness = vertex.color_srgb.a;
     return out;
 }
 
@@ -58,10 +65,29 @@ fn linear_from_srgb(c: vec3f) -> vec3f {
     return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
 }
 
-// The normal on the eye's side of the surface.
-fn seen_normal(fragment: Fragment) -> vec3f {
+// Whether it is the triangle's front that is seen.
+fn is_front_seen(fragment: Fragment) -> bool {
     let to_eye = view.eye_world - fragment.corner_world;
-    return select(-fragment.normal_world, fragment.normal_world, dot(fragment.normal_world, to_eye) > 0.0);
+    return dot(fragment.normal_world, to_eye) > 0.0;
+}
+
+// The triangle's normal on the eye's side.
+fn seen_normal(fragment: Fragment) -> vec3f {
+    return select(-fragment.normal_world, fragment.normal_world, is_front_seen(fragment));
+}
+
+// Whether the triangle stands for a curved surface here. Where opposite normals cancel out there is none to shade with.
+fn is_smooth(fragment: Fragment) -> bool {
+    return fragment.flatness < 0.5 && dot(fragment.shading_normal_world, fragment.shading_normal_world) > 0.0;
+}
+
+// The normal that the surface is shaded with, on the eye's side: on which side the eye is, the triangle alone says, as everywhere else.
+fn shading_normal(fragment: Fragment) -> vec3f {
+    if !is_smooth(fragment) {
+        return seen_normal(fragment);
+    }
+    let n = normalize(fragment.shading_normal_world);
+    return select(-n, n, is_front_seen(fragment));
 }
 
 // 1 near the model, 0 where the ground has faded into the sky.
@@ -93,7 +119,7 @@ fn is_cut_out(fragment: Fragment) -> bool {
 
 // The light that comes from everywhere, for white.
 fn ambient(fragment: Fragment) -> vec3f {
-    return ambient_on(seen_normal(fragment), fragment.position_world);
+    return ambient_on(shading_normal(fragment), fragment.position_world);
 }
 
 // For a seen side with the unit normal `n`.
@@ -120,14 +146,21 @@ fn gives_light(fragment: Fragment) -> bool {
     return reaches_seen_side(light, fragment);
 }
 
+// The one way in which it is decided where the lit side of a surface ends, for light, marks and masks.
+fn is_turned_to_light(from_light: Light, fragment: Fragment) -> bool {
+    if is_smooth(fragment) {
+        return dot(shading_normal(fragment), offset_to_light(from_light, fragment.position_world)) > 0.0;
+    }
+    return dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
+}
+
 fn reaches_seen_side(from_light: Light, fragment: Fragment) -> bool {
-    let is_turned_to_light = dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
-    return is_turned_to_light && reaches(from_light, offset_to_light(from_light, fragment.position_world));
+    return is_turned_to_light(from_light, fragment) && reaches(from_light, offset_to_light(from_light, fragment.position_world));
 }
 
 // Where the light reaches the seen side.
 fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
-    return irradiance_on(from_light, seen_normal(fragment), fragment.position_world);
+    return irradiance_on(from_light, shading_normal(fragment), fragment.position_world);
 }
 
 fn irradiance_on(from_light: Light, n: vec3f, point_world: vec3f) -> vec3f {
