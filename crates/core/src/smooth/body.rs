@@ -18,16 +18,13 @@ use rustc_hash::FxHashMap;
 use crate::{Caster, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{face_normal, has_outside};
+use super::normals::{has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
 
 /// Normals with less than this sine between them have no common tangent of their own.
 const NEARLY_PARALLEL: f64 = 1e-3;
-
-/// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
-const FLAT: f64 = 0.999_998_5;
 
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
@@ -100,11 +97,7 @@ impl SmoothBody {
         if !has_outside(&caster.topology) {
             return Err(NotSmooth::Open);
         }
-        let is_flat = |(t, corners): (usize, &[Vec3; 3])| {
-            let face = face_normal(caster, t);
-            corners.iter().all(|normal| normal.as_dvec3().dot(face) >= FLAT)
-        };
-        if normals.iter().enumerate().all(is_flat) {
+        if normals.iter().enumerate().all(|(t, corners)| is_flat(caster, t, corners)) {
             return Err(NotSmooth::Flat);
         }
         let split = Split::new(caster, normals);

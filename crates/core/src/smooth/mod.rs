@@ -4,6 +4,7 @@
 //!   normals      one for each corner, given or computed, with creases
 //!   body         the mesh split at creases, once for all lights
 //!   curve        the cubic between two points with known normals
+//!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
 //!   volume       the silhouette of a body under a light, and the volume that it closes
@@ -14,6 +15,7 @@
 mod body;
 mod curve;
 mod normals;
+mod parts;
 mod precision;
 mod tessellate;
 #[cfg(test)]
@@ -23,5 +25,4 @@ mod volume;
 pub use body::{NotSmooth, SmoothBody};
 pub use normals::corner_normals;
 pub use precision::{OnScreen, Precision};
-pub use tessellate::Tessellation;
 pub use volume::{SmoothScratch, SmoothVolume, Smoothness};
