@@ -65,7 +65,9 @@ pub use screen::PixelRect;
 pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
 };
-pub use smooth::{NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals};
+pub use smooth::{
+    NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals, given_normals,
+};
 pub use sphere::{Sphere, SphereVolume};
 pub use texture::{Texture, Wrap};
 pub use topology::{Component, Edge, Topology, TopologyCounts};

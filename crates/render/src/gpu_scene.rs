@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
-use umbrae_core::{Caster, Finder, Material, Role, Texture};
+use umbrae_core::{Caster, Finder, Material, Role, SmoothBody, Texture};
 use wgpu::util::DeviceExt as _;
 
 use crate::gpu_finishes::{Finish, FinishKind, Finishes};
@@ -134,6 +134,19 @@ impl GpuScene {
         for (i, finder) in finders.into_iter().enumerate() {
             if let Some(finder) = finder {
                 self.shadow_casters.give_finder(i, finder);
+            }
+        }
+    }
+
+    /// Has caster `i` cast the shadow of `bodies[i]`, made of it as it is, where there is one and [`crate::ShadowOptions::smooth`] asks for that.
+    ///
+    /// # Panics
+    ///
+    /// If there are more bodies than casters.
+    pub fn give_bodies(&mut self, bodies: Vec<Option<SmoothBody>>) {
+        for (i, body) in bodies.into_iter().enumerate() {
+            if let Some(body) = body {
+                self.shadow_casters.give_body(i, body);
             }
         }
     }

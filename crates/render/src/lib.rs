@@ -40,7 +40,7 @@ pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, Renderer, Shot};
 pub use shadow::{
     CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, LIT, LightMark, LightReport, Method, ShadowCasters,
-    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
+    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Smooth, Why,
 };
 pub use targets::{Output, Targets};
 pub use texture_displacer::TextureDisplacer;

@@ -6,7 +6,7 @@ use umbrae_core::Light;
 
 use crate::frame::FrameLight;
 use crate::shadow::{ShadowView, Shadows};
-use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, SilhouetteSource, Targets};
+use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, SilhouetteSource, Smooth, Targets};
 
 /// What finds the silhouettes of one scene on the GPU, made when it is first asked for, and kept.
 #[derive(Debug, Default)]
@@ -38,7 +38,8 @@ impl<'a> PreparedLights<'a> {
     ) -> Result<Self, GpuError> {
         let (casters, uploaded, options) = (shot.casters, &shot.scene.shadow_casters, &shot.shadows);
         let source = options.silhouettes;
-        if matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
+        let is_smooth = options.smooth != Smooth::Off;
+        if is_smooth || matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
             let own = lights.iter().map(|light| shadows.light(gpu, casters, uploaded, view, light, options));
             return Ok(Self::Own(own.collect::<Result<_, _>>()?));
         }

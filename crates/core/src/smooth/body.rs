@@ -15,7 +15,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
-use crate::{Caster, LightPosition, Mesh, NormalFinder, Surface, Topology};
+use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
 use super::normals::{has_outside, is_flat};
@@ -40,6 +40,7 @@ pub struct SmoothBody {
     bends: Vec<Bend>,
     pub(super) creases: Vec<Crease>,
     pub(super) finder: NormalFinder,
+    longest_edge_m: f64,
 }
 
 /// How an edge between wedges is bent.
@@ -68,6 +69,9 @@ pub enum NotSmooth {
     /// A component is open, or its triangles are not wound consistently: it has no outside.
     #[error("its surface is not closed")]
     Open,
+    /// What its triangles enclose is outside of it: it is turned inside out, or mirrored.
+    #[error("its surface is turned inside out")]
+    InsideOut,
     /// Every normal is its triangle's.
     #[error("its faces are flat")]
     Flat,
@@ -97,6 +101,9 @@ impl SmoothBody {
         if !has_outside(&caster.topology) {
             return Err(NotSmooth::Open);
         }
+        if volume_m3(caster) < 0.0 {
+            return Err(NotSmooth::InsideOut);
+        }
         if normals.iter().enumerate().all(|(t, corners)| is_flat(caster, t, corners)) {
             return Err(NotSmooth::Flat);
         }
@@ -109,7 +116,9 @@ impl SmoothBody {
         for (&v, w) in vertex_of_wedge.iter().zip(0..) {
             wedge_of_vertex[v as usize] = w;
         }
-        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder })
+        let length_m = |e: &Edge| wedges.positions[e.low as usize].distance(wedges.positions[e.high as usize]);
+        let longest_edge_m = wedges.topology.edges().iter().map(length_m).fold(0.0, f32::max).into();
+        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
     }
 
     /// Where wedge `w` is, scene space.
@@ -164,6 +173,14 @@ impl SmoothBody {
         }
     }
 
+    /// A box that holds every curve of the body, on edges and between them: those are at most twice as long as their chord, and chords at most as
+    /// long as the longest edge and the bulges at its ends.
+    pub fn loose_bounds(&self) -> Bounds {
+        let bounds = self.wedges.bounds;
+        let grown = DVec3::splat(4.0 * self.longest_edge_m);
+        Bounds { min: bounds.min - grown, max: bounds.max + grown }
+    }
+
     /// Bytes that this takes.
     pub fn bytes(&self) -> usize {
         let edges = self.wedges.topology.edges().len();
@@ -173,6 +190,16 @@ impl SmoothBody {
             + self.wedges.mesh.triangles().len() * 56
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
+}
+
+/// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.
+fn volume_m3(caster: &Caster) -> f64 {
+    let middle = caster.bounds.center();
+    let of = |t| {
+        let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3() - middle);
+        a.dot(b.cross(c)) / 6.0
+    };
+    (0..caster.mesh.triangles().len()).map(of).sum()
 }
 
 /// Wedges as they are found.

@@ -23,6 +23,6 @@ mod tests;
 mod volume;
 
 pub use body::{NotSmooth, SmoothBody};
-pub use normals::corner_normals;
+pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};
 pub use volume::{SmoothScratch, SmoothVolume, Smoothness};

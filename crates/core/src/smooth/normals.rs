@@ -10,7 +10,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{Caster, Topology};
+use crate::{Caster, Object, Topology};
 
 /// The cosine between a normal that a file gives and its triangle's below which it is not believed: 75 degrees.
 const LEAST_GIVEN: f64 = 0.258_819_045_102_520_76;
@@ -36,6 +36,18 @@ pub fn corner_normals(caster: &Caster, given: &[[Vec3; 3]], crease_rad: f64) -> 
         })
     };
     given.iter().zip(computed).enumerate().map(believed).collect()
+}
+
+/// The normals that the file gave the corners of `object`, scene space, of any length, for [`corner_normals`]; empty where it gave none or they are
+/// those of another pose.
+pub fn given_normals(object: &Object) -> Vec<[Vec3; 3]> {
+    if object.pose.is_some() {
+        return Vec::new();
+    }
+    // Normals are turned and stretched as planes are.
+    let normal_matrix = object.world_from_object.matrix3.inverse().transpose();
+    let placed = |normal: &Vec3| (normal_matrix * normal.as_dvec3()).as_vec3();
+    object.mesh.corner_normals().iter().map(|corners| corners.each_ref().map(placed)).collect()
 }
 
 fn computed(caster: &Caster, crease_rad: f64) -> Vec<[Vec3; 3]> {

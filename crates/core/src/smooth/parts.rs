@@ -22,8 +22,8 @@ impl Scene {
     /// Splits objects in which some components have smooth silhouettes and others have not, so that [`super::SmoothBody::new`] takes the
     /// ones and refuses the others. Returns how many objects were split.
     ///
-    /// A component has one if it is closed, consistently wound, and has a corner whose normal is not its triangle's, by the normals that
-    /// [`corner_normals`] finds for the mesh at rest from the file's and `crease_rad`. Parts keep the object's name, role, pose and place, the smooth one
+    /// A component has one if it is closed, consistently wound with its outside out, and has a corner whose normal is not its triangle's, by the
+    /// normals that [`corner_normals`] finds for the mesh at rest from the file's and `crease_rad`. Parts keep the object's name, role, pose and place, the smooth one
     /// first; instances of a mesh share its parts. Roles are to be assigned before ([`Scene::assign_roles`]), as they open what they cut. Linear in the
     /// number of triangles.
     pub fn split_smooth_parts(&mut self, crease_rad: f64) -> usize {
@@ -55,11 +55,16 @@ fn parts_of(mesh: &Arc<Mesh>, crease_rad: f64) -> Vec<Part> {
     let caster = Caster::new(&Object::new("", mesh.clone(), DAffine3::IDENTITY), topology.clone());
     let normals = corner_normals(&caster, mesh.corner_normals(), crease_rad);
     let component_of = topology.component_of_triangle();
-    let mut is_smooth = vec![false; components.len()];
+    let (mut is_round, mut volumes_m3) = (vec![false; components.len()], vec![0.0; components.len()]);
+    let middle = caster.bounds.center();
     for (t, normals) in normals.iter().enumerate() {
         let component = component_of[t] as usize;
-        is_smooth[component] |= components[component].is_closed && !is_flat(&caster, t, normals);
+        let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3() - middle);
+        volumes_m3[component] += a.dot(b.cross(c)) / 6.0;
+        is_round[component] |= !is_flat(&caster, t, normals);
     }
+    let has_outside = |c: usize| components[c].is_closed && volumes_m3[c] > 0.0;
+    let is_smooth: Vec<bool> = (0..components.len()).map(|c| is_round[c] && has_outside(c)).collect();
     if is_smooth.iter().all(|&smooth| smooth == is_smooth[0]) {
         return Vec::new();
     }
@@ -91,12 +96,15 @@ mod tests {
         Arc::new(Mesh::new(all).expect("good shapes"))
     }
 
-    /// A box, a ball and a sheet, far from each other.
+    /// A box, a ball, a sheet and a ball turned inside out, far from each other.
     fn mixed() -> Arc<Mesh> {
+        let mut turned = shapes::icosphere(Vec3::Y * 9.0, 1.0, 1);
+        turned.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
         together([
             shapes::cuboid(Vec3::splat(4.0), Vec3::splat(5.0)),
             shapes::icosphere(Vec3::ZERO, 1.0, 2),
             shapes::sheet(Vec3::splat(-5.0), Vec3::X, Vec3::Y, [2, 3]),
+            turned,
         ])
     }
 
@@ -106,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ball_is_smooth_and_the_box_and_the_sheet_are_not() {
+    fn the_ball_is_smooth_and_what_is_flat_open_or_inside_out_is_not() {
         let object = Object::new("still life", mixed(), DAffine3::IDENTITY);
         assert_eq!(body_of(&object).err(), Some(NotSmooth::Open));
         let mut scene = Scene { objects: vec![object.clone()], ..Scene::default() };

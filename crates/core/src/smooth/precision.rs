@@ -22,8 +22,7 @@ pub struct Precision {
 /// light, in the box of all that may receive it, and seen no larger than from the nearest place on that part of the ray.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnScreen {
-    /// Of the shadow on the picture; more than 0.
-    pub epsilon_px: f64,
+    epsilon_px: f64,
     eye: DVec3,
     /// The width of a pixel at view depth 1.
     pixel_at_1: f64,
@@ -31,10 +30,10 @@ pub struct OnScreen {
 }
 
 impl OnScreen {
-    /// Half a pixel, as `camera` sees shadows within `receivers`.
-    pub fn of_camera(camera: &Camera, receivers: Bounds) -> Self {
+    /// So many pixels, more than 0, as `camera` sees shadows within `receivers`.
+    pub fn of_camera(camera: &Camera, receivers: Bounds, epsilon_px: f64) -> Self {
         let pixel_at_1 = 2.0 * camera.half_extent().y / f64::from(camera.size_px()[1]);
-        Self { epsilon_px: 0.5, eye: camera.eye(), pixel_at_1, receivers }
+        Self { epsilon_px, eye: camera.eye(), pixel_at_1, receivers }
     }
 
     /// How far a curve may be off at `point`; `None` where its shadow falls outside of all receivers.
@@ -97,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_shadow_that_is_enlarged_eight_times_needs_an_eighth_of_the_error() {
-        let precision = Precision { epsilon_m: 1.0, on_screen: Some(OnScreen::of_camera(&above(40.0), ground())) };
+        let precision = Precision { epsilon_m: 1.0, on_screen: Some(OnScreen::of_camera(&above(40.0), ground(), 0.5)) };
         let lamp = LightPosition::point(DVec3::new(0.0, 0.0, 8.0));
         let [high, low] = [7.0, 1.0].map(|z| precision.chord_m(DVec3::new(0.0, 0.0, z), lamp));
         assert!((low / high - 7.0).abs() < 0.3, "{low} and {high}: enlarged 8/7 and 8 times, 9 at the ground's bottom");
@@ -105,14 +104,15 @@ mod tests {
 
     #[test]
     fn without_a_receiver_the_world_alone_counts() {
-        let precision = Precision { epsilon_m: 0.25, on_screen: Some(OnScreen::of_camera(&above(40.0), ground())) };
+        let precision =
+            Precision { epsilon_m: 0.25, on_screen: Some(OnScreen::of_camera(&above(40.0), ground(), 0.5)) };
         let from_below = LightPosition::directional(DVec3::NEG_Z).expect("not zero");
         assert_eq!(precision.chord_m(DVec3::Z, from_below).to_bits(), 0.125_f64.to_bits());
     }
 
     #[test]
     fn a_low_sun_stretches_shadows_and_makes_them_finer() {
-        let precision = Precision { epsilon_m: 1.0, on_screen: Some(OnScreen::of_camera(&above(40.0), ground())) };
+        let precision = Precision { epsilon_m: 1.0, on_screen: Some(OnScreen::of_camera(&above(40.0), ground(), 0.5)) };
         let at = |altitude_deg: f64| {
             let sun = LightPosition::sun(1.0, altitude_deg.to_radians());
             precision.chord_m(DVec3::new(0.0, 0.0, 1.0), sun)

@@ -133,6 +133,11 @@ fn the_rim_of_a_cylinder_is_a_circle_seen_from_above() {
 fn what_has_flat_faces_or_no_inside_is_left_alone() {
     let cube = caster_of(shapes::cuboid(-Vec3::ONE, Vec3::ONE));
     assert_eq!(SmoothBody::new(&cube, &corner_normals(&cube, &[], CREASE_RAD)).err(), Some(NotSmooth::Flat));
+    let inside_out = shapes::icosphere(Vec3::ZERO, 1.0, 1);
+    let triangles = inside_out.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let inside_out = caster_of(Surface { triangles, ..inside_out });
+    let normals = corner_normals(&inside_out, &[], CREASE_RAD);
+    assert_eq!(SmoothBody::new(&inside_out, &normals).err(), Some(NotSmooth::InsideOut));
     let sheet = caster_of(shapes::sheet(Vec3::ZERO, Vec3::X, Vec3::Y, [2, 2]));
     assert_eq!(SmoothBody::new(&sheet, &corner_normals(&sheet, &[], CREASE_RAD)).err(), Some(NotSmooth::Open));
 }

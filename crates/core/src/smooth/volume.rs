@@ -172,7 +172,8 @@ impl SmoothVolume {
         };
         let bounds = self.bounds(caster);
         let (mesh, topology) = (caster.mesh.clone(), caster.topology.clone());
-        let around = Caster { name: String::new(), mesh, topology, positions, bounds, role: caster.role };
+        let (name, shading_normals, role) = (String::new(), Vec::new(), caster.role);
+        let around = Caster { name, mesh, topology, positions, bounds, role, shading_normals };
         crate::most_overlaps(&around, &volume, light)
             .saturating_add(most_stacked(&self.turned_away(body, caster, light), light))
     }
