@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{face_normal, has_outside};
+use super::normals::{has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
@@ -28,9 +28,6 @@ const NEARLY_PARALLEL: f64 = 1e-3;
 
 /// A crease may bend into the triangles beside it by this part of their height: else the silhouette of one that is thin and flat would turn inside out.
 const MOST_INWARD: f64 = 0.2;
-
-/// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
-const FLAT: f64 = 0.999_998_5;
 
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
@@ -121,11 +118,7 @@ impl SmoothBody {
         if volume_m3(caster) < 0.0 {
             return Err(NotSmooth::InsideOut);
         }
-        let is_flat = |(t, corners): (usize, &[Vec3; 3])| {
-            let face = face_normal(caster, t);
-            corners.iter().all(|normal| normal.as_dvec3().dot(face) >= FLAT)
-        };
-        if normals.iter().enumerate().all(is_flat) {
+        if normals.iter().enumerate().all(|(t, corners)| is_flat(caster, t, corners)) {
             return Err(NotSmooth::Flat);
         }
         let split = Split::new(caster, normals);

@@ -51,6 +51,12 @@ impl Curve {
         on_chord + (u * v) * (v * first - u * last)
     }
 
+    /// The two inner control points of the curve as a cubic of Bézier's.
+    pub(super) fn controls(&self) -> [DVec3; 2] {
+        let [first, last] = self.tangents;
+        [self.start + first / 3.0, self.end - last / 3.0]
+    }
+
     /// Along the curve at `u`, of no particular length.
     pub(super) fn tangent(&self, u: f64) -> DVec3 {
         let [first, last] = self.tangents;

@@ -5,7 +5,9 @@
 //!   body         the mesh split at creases, once for all lights
 //!   curve        the cubic between two points with known normals
 //!   islands      small parts that are turned the wrong way
+//!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
+//!   tessellate   the curved surface itself, as a finer mesh
 //!   volume       the silhouette of a body under a light, and the volume that it closes
 //! ```
 //!
@@ -15,7 +17,9 @@ mod body;
 mod curve;
 mod islands;
 mod normals;
+mod parts;
 mod precision;
+mod tessellate;
 #[cfg(test)]
 mod tests;
 mod volume;

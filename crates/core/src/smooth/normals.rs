@@ -17,6 +17,8 @@ const LEAST_GIVEN: f64 = 0.258_819_045_102_520_76;
 
 /// With at least this cosine between them, a given normal is its triangle's own: 1 degree.
 const OWN: f64 = 0.999_8;
+/// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
+const FLAT: f64 = 0.999_998_5;
 
 /// A unit normal, scene space, for each corner of each triangle of `caster`.
 ///
@@ -94,6 +96,12 @@ fn computed(caster: &Caster, crease_rad: f64) -> Vec<[Vec3; 3]> {
 pub(super) fn face_normal(caster: &Caster, t: usize) -> DVec3 {
     let [a, b, c] = caster.corners(t).map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// Whether `normals` of the corners of triangle `t` are all its own; one without area has none.
+pub(super) fn is_flat(caster: &Caster, t: usize, normals: &[Vec3; 3]) -> bool {
+    let face = face_normal(caster, t);
+    face == DVec3::ZERO || normals.iter().all(|normal| normal.as_dvec3().dot(face) >= FLAT)
 }
 
 fn corner_at(triangles: &[[u32; 3]], t: usize, vertex: u32) -> usize {
