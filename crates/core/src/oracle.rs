@@ -14,6 +14,7 @@
 mod border;
 mod coincident;
 mod cut_out;
+mod soft;
 mod spheres;
 
 use std::sync::Arc;

@@ -47,6 +47,16 @@ impl Block {
         Self::FIRST_POSITION + self.position_count + i
     }
 
+    /// The vertex with an index of the block, as it is uploaded for `caster`, whose block it is.
+    pub(crate) fn vertex(self, i: u32, caster: &Caster) -> VolumeVertex {
+        let Some(i) = i.checked_sub(Self::FIRST_POSITION) else {
+            return AXES.get(i as usize).map_or_else(|| middle(caster), |axis| axis.as_vec3().extend(2.0).to_array());
+        };
+        let is_far = i >= self.position_count;
+        let position = caster.positions[(if is_far { i - self.position_count } else { i }) as usize];
+        position.extend(f32::from(u8::from(is_far))).to_array()
+    }
+
     fn vertex_count(self) -> u32 {
         self.far(self.position_count)
     }
@@ -153,6 +163,6 @@ fn volume_vertices(casters: &[Caster]) -> Vec<VolumeVertex> {
     vertices
 }
 
-fn middle(caster: &Caster) -> VolumeVertex {
+pub(crate) fn middle(caster: &Caster) -> VolumeVertex {
     caster.bounds.center().as_vec3().extend(1.0).to_array()
 }

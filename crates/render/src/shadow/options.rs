@@ -75,6 +75,9 @@ pub struct ShadowOptions {
     pub caster_scissor: bool,
     /// See [`LightMark`].
     pub light_mark: LightMark,
+    /// Pictures have soft shadows of lights with a size ([`umbrae_core::Extent`]); else, and in masks, these are points and directions too.
+    /// Silhouettes of such lights are found on the CPU, from the casters' positions there.
+    pub soft: bool,
 }
 
 impl Default for ShadowOptions {
@@ -89,6 +92,7 @@ impl Default for ShadowOptions {
             light_scissor: true,
             caster_scissor: true,
             light_mark: LightMark::default(),
+            soft: false,
         }
     }
 }
@@ -112,6 +116,7 @@ impl ShadowOptions {
             light_scissor: false,
             caster_scissor: false,
             light_mark: LightMark::Off,
+            soft: false,
         }
     }
 
@@ -127,7 +132,10 @@ impl ShadowOptions {
             ("no light mark", Self { light_mark: LightMark::Off, ..self }),
             ("receivers marked", Self { light_mark: LightMark::Receivers, ..self }),
             ("selecting light mark", Self { light_mark: LightMark::Select, ..self }),
-            ("nothing is left out", Self { silhouettes: self.silhouettes, ..Self::without_culling(self.method) }),
+            (
+                "nothing is left out",
+                Self { silhouettes: self.silhouettes, soft: self.soft, ..Self::without_culling(self.method) },
+            ),
         ]
         .into_iter()
     }

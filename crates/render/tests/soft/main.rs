@@ -1,0 +1,6 @@
+//! Soft shadows against closed forms and rays.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod stage;
+mod sun;
