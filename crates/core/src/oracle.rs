@@ -17,6 +17,8 @@ mod cut_out;
 mod soft;
 mod spheres;
 
+pub use soft::SeenLight;
+
 use std::sync::Arc;
 
 use glam::DVec3;

@@ -6,34 +6,47 @@ use rayon::prelude::*;
 use super::{Eye, Oracle, Sight, faces};
 use crate::{Camera, Extent, Hit, Light, LightPosition};
 
+/// What rays from one point say of a light with a size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenLight {
+    /// The share of its points from which nothing is between, 0 to 1. A surface hides what is behind its plane if it is that of a closed body.
+    pub share: f64,
+    /// The mean of the cosines to its points on the seen side of the surface, where points that are not seen or behind the plane count 0.
+    pub mean_cosine: f64,
+    /// The cosine to its centre; above 0.
+    pub center_cosine: f64,
+    /// Whether all of it is on the seen side of the surface's plane.
+    pub is_above_plane: bool,
+}
+
 impl Oracle {
-    /// For each pixel, row by row from the top, the share of `light` that is seen from the surface at its centre, as `side * side` rays find it, each to a
-    /// random point of another part of the light; `None` where there is no surface, or a sphere's, or one that is not turned to the light's centre.
+    /// For each pixel, row by row from the top, what `side * side` rays find of `light` from the surface at its centre, each to a random point of
+    /// another part of the light; `None` where there is no surface, or a sphere's, or one that is not turned to the light's centre.
     ///
-    /// The points are the same in each pixel and on each run. A share `s` is good to about `side^-1.5`, which is how much the rays differ along its
-    /// border. Cones and ranges don't count. `row_done` is called after each row. All cores work.
-    pub fn seen_shares(
+    /// The points are the same in each pixel and on each run. A share is good to about `side^-1.5`, because only rays along the border of what is
+    /// seen are a matter of chance. Cones and ranges don't count. `row_done` is called after each row. All cores work.
+    pub fn seen_light(
         &self,
         camera: &Camera,
         light: &Light,
         side: u32,
         row_done: impl Fn() + Sync,
-    ) -> Vec<Option<f64>> {
+    ) -> Vec<Option<SeenLight>> {
         let light = light.rounded_to_f32();
         let eye = Eye::new(camera);
         let [width, height] = camera.size_px();
         let unit = stratified(side.max(1), light.extent);
         let row = |y: u32| {
             let mut in_the_way = None;
-            let share = |x: u32| {
+            let seen_from = |x: u32| {
                 let sight = self.sight(&eye, [f64::from(x) + 0.5, f64::from(y) + 0.5], None);
                 let Sight::Surface(seen) = sight else { return None };
                 if faces(seen.normal, light.position.offset_from(seen.point)) != Some(true) {
                     return None;
                 }
-                Some(self.share_seen_from(seen.point, &light, &unit, &mut in_the_way))
+                Some(self.light_seen_from((seen.point, seen.normal), &light, &unit, &mut in_the_way))
             };
-            let row: Vec<Option<f64>> = (0..width).map(share).collect();
+            let row: Vec<Option<SeenLight>> = (0..width).map(seen_from).collect();
             row_done();
             row
         };
@@ -41,7 +54,13 @@ impl Oracle {
     }
 
     /// `unit` points are those of a light that goes from -1 to 1.
-    fn share_seen_from(&self, point: DVec3, light: &Light, unit: &[DVec2], in_the_way: &mut Option<Hit>) -> f64 {
+    fn light_seen_from(
+        &self,
+        (point, normal): (DVec3, DVec3),
+        light: &Light,
+        unit: &[DVec2],
+        in_the_way: &mut Option<Hit>,
+    ) -> SeenLight {
         let center = light.position.homogeneous().truncate();
         let (u, v) = light.position.offset_from(point).normalize_or_zero().any_orthonormal_pair();
         let place = |at: &DVec2| match light.extent {
@@ -55,13 +74,24 @@ impl Oracle {
                 LightPosition::directional(toward).unwrap_or(light.position)
             }
         };
-        let is_seen = |at: &&DVec2| {
-            let place = place(at);
+        let (mut seen, mut cosines, mut is_above_plane) = (0_u32, 0.0, true);
+        for place in unit.iter().map(place) {
+            let cosine = normal.dot(place.offset_from(point).normalize_or_zero());
+            is_above_plane &= cosine > 0.0;
             let is_shaded = self.spheres.iter().any(|sphere| sphere.shades(point, place))
                 || self.is_shaded_by_triangles(point, place, in_the_way) == Some(true);
-            !is_shaded
-        };
-        unit.iter().filter(is_seen).count() as f64 / unit.len() as f64
+            if !is_shaded {
+                seen += 1;
+                cosines += cosine.max(0.0);
+            }
+        }
+        let count = unit.len() as f64;
+        SeenLight {
+            share: f64::from(seen) / count,
+            mean_cosine: cosines / count,
+            center_cosine: normal.dot(light.position.offset_from(point).normalize_or_zero()),
+            is_above_plane,
+        }
     }
 }
 
