@@ -14,6 +14,8 @@ fn exact(stage: &Stage, camera: &Camera, light: &Light) -> Vec<Option<f64>> {
     let light = light.rounded_to_f32();
     let rays = RayCaster::new(stage.casters.iter().map(|c| (c.positions.as_slice(), c.mesh.triangles())));
     let sides: Vec<Vec<[DVec3; 2]>> = stage.casters.iter().map(|caster| silhouette(caster, &light)).collect();
+    let of_one = |caster: &Caster| RayCaster::new([(caster.positions.as_slice(), caster.mesh.triangles())]);
+    let casting: Vec<RayCaster> = stage.casters.iter().map(of_one).collect();
     let [width, height] = camera.size_px();
     let pixel = |x: u32, y: u32| {
         let direction = camera.ray_direction(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -28,8 +30,7 @@ fn exact(stage: &Stage, camera: &Camera, light: &Light) -> Vec<Option<f64>> {
         }
         let mut covered: Vec<f64> = Vec::new();
         let end = if light.position.is_directional() { f64::INFINITY } else { 1.0 };
-        for (caster, sides) in stage.casters.iter().zip(&sides) {
-            let own = RayCaster::new([(caster.positions.as_slice(), caster.mesh.triangles())]);
+        for (own, sides) in casting.iter().zip(&sides) {
             let hard = f64::from(u8::from(own.is_hit(point, to_light, 1e-5, end)));
             let shares: f64 = sides.iter().map(|&[a, b]| face.edge_share(a, b)).sum();
             // The ray may be wrong about a share that is just not 0 or 1 at the centre, but by no more than one.
