@@ -11,6 +11,7 @@ pub mod cache;
 pub mod cast;
 pub mod cli;
 pub mod doctor;
+pub mod extent;
 pub mod inspect;
 pub mod lights;
 pub mod model;

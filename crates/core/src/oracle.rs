@@ -15,7 +15,10 @@ mod border;
 mod coincident;
 mod cut_out;
 mod smooth;
+mod soft;
 mod spheres;
+
+pub use soft::SeenLight;
 
 use std::sync::Arc;
 

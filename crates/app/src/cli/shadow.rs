@@ -197,6 +197,8 @@ impl ShadowArgs {
             cull_caps: !(self.no_cull || self.no_cap_cull),
             light_scissor: !(self.no_scissor || self.no_light_scissor),
             caster_scissor: !(self.no_scissor || self.no_caster_scissor),
+            // Lights say themselves whether they are.
+            soft: false,
             light_mark: if self.no_light_mark { LightMark::Off } else { self.light_mark }.into(),
         }
     }
