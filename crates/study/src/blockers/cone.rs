@@ -341,7 +341,7 @@ mod tests {
                 (0..200).map(|i| (i % 7 != 0).then(|| LightSpace::new(point(2.0).normalize_or(DVec3::Z)))).collect();
             let (mut plain, mut best) = (Vec::new(), Vec::new());
             shade_in_order::<Plain>(&tree, &cell, &lights, care, |i, shade, touches| {
-                plain.push((i, shade, touches.to_vec()))
+                plain.push((i, shade, touches.to_vec()));
             });
             shade_all(&tree, &cell, &lights, care, |i, shade, touches| best.push((i, shade, touches.to_vec())));
             assert_eq!(plain, best);
