@@ -77,6 +77,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         talk.warning(&warning);
     }
 
+    if let Some(crease_rad) = args.shadows.crease_rad() {
+        scene.split_smooth_parts(crease_rad);
+    }
     let start = Instant::now();
     let mut casters = Caster::of_scene(&scene);
     times.topology = ms_since(start);

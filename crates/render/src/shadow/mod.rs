@@ -22,7 +22,7 @@ mod options;
 mod pipelines;
 pub(crate) mod plan;
 mod report;
-mod smooth_plan;
+pub(crate) mod smooth_plan;
 pub(crate) mod spheres;
 mod tally;
 
