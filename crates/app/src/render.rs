@@ -182,6 +182,8 @@ impl Stage {
     ) -> anyhow::Result<ShowReport> {
         let subject = Subject {
             casters: &self.casters,
+            scene: &self.gpu_scene,
+            smooth: self.shadows.smooth,
             ground: self.casters.len().checked_sub(1).filter(|_| has_ground),
             camera: &self.camera,
             lights: &self.lights,

@@ -151,6 +151,11 @@ impl GpuScene {
         }
     }
 
+    /// The smooth body that caster `i` was given and stands for where it is now.
+    pub fn body(&self, i: usize) -> Option<&SmoothBody> {
+        self.shadow_casters.body(i)
+    }
+
     /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.
     pub(crate) fn surface_words(&self, casters: &[Caster], materials: &[Material]) -> Vec<u32> {
         bytemuck::cast_slice(&surface_vertices(casters, materials, &self.order).0).to_vec()

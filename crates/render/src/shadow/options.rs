@@ -72,7 +72,7 @@ pub enum Smooth {
 
 impl Smooth {
     /// What silhouettes follow, for shadows within `receivers` that `camera` looks at; `None` for those of triangles.
-    pub(crate) fn smoothness(self, camera: &Camera, receivers: Bounds) -> Option<Smoothness> {
+    pub fn smoothness(self, camera: &Camera, receivers: Bounds) -> Option<Smoothness> {
         match self {
             Self::Off => None,
             Self::Accurate => Some(Smoothness::Accurate),
