@@ -25,6 +25,7 @@ use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, ne
 
 use super::body::{Crease, SmoothBody};
 use super::curve::Curve;
+use super::holes::{self, HoleScratch};
 use super::precision::Precision;
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
@@ -71,6 +72,7 @@ pub struct SmoothScratch {
     crossing_of_edge: Vec<u32>,
     point_of_vertex: Vec<u32>,
     curve: Vec<u32>,
+    holes: HoleScratch,
 }
 
 const NONE: u32 = u32::MAX;
@@ -129,6 +131,7 @@ impl SmoothVolume {
             scratch.point_of_vertex[vertex as usize] = NONE;
         }
         scratch.found = found;
+        holes::fill(self, light, &mut scratch.holes);
     }
 
     /// Whether triangle `t` is in the light cap: any of its corners is turned to the light.
