@@ -49,10 +49,12 @@ impl Effort {
 struct Bands {
     on_screen: f64,
     on_body: f64,
+    /// Of the points of the body that are lit, so few stray.
+    most_strays: f64,
 }
 
-/// And so few may stray from them: of the pixels that are dark, and of the points that are lit.
-const MOST_STRAYS: [f64; 2] = [1e-3, 3e-3];
+/// Of the pixels that are dark, so few stray.
+const MOST_STRAYS: f64 = 3e-4;
 /// Strays on the screen are slivers, so thick at most, in halves of the shadow's size.
 const THICKEST: f64 = 0.02;
 
@@ -139,9 +141,9 @@ fn check(name: &str, file: &str, pieces: u32, bands: Bands) {
     println!("{}", table(name, &subject, &found, bands));
     let share = |some: usize, of: usize| some as f64 / of.max(1) as f64;
     assert!(found.counts > 0, "{name}: no count was decided");
-    assert!(share(found.smooth.strays, found.smooth.dark) <= MOST_STRAYS[0], "{name}, on the screen: {found:#?}");
+    assert!(share(found.smooth.strays, found.smooth.dark) <= MOST_STRAYS, "{name}, on the screen: {found:#?}");
     assert!(found.smooth.thickest <= THICKEST, "{name}, on the screen: {found:#?}");
-    assert!(share(found.on_body.strays, found.on_body.lit) <= MOST_STRAYS[1], "{name}, on the body: {found:#?}");
+    assert!(share(found.on_body.strays, found.on_body.lit) <= bands.most_strays, "{name}, on the body: {found:#?}");
 }
 
 /// A random point's count for each part along several ways, which must agree; how many were decided.
@@ -196,35 +198,45 @@ fn table(name: &str, subject: &Subject, found: &Findings, bands: Bands) -> Strin
 
 #[test]
 fn the_control_mesh_of_a_cow() {
-    check("spot_control_mesh", "mesh/spot_control_mesh.obj", 10, Bands { on_screen: 0.05, on_body: 0.15 });
+    check(
+        "spot_control_mesh",
+        "mesh/spot_control_mesh.obj",
+        10,
+        Bands { on_screen: 0.05, on_body: 0.15, most_strays: 0.015 },
+    );
 }
 
 #[test]
 fn a_cow() {
-    check("spot_low_resolution", "mesh/spot_low_resolution.obj", 6, Bands { on_screen: 0.02, on_body: 0.1 });
+    check(
+        "spot_low_resolution",
+        "mesh/spot_low_resolution.obj",
+        6,
+        Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.002 },
+    );
 }
 
 #[test]
 fn a_bunny() {
-    check("bunny_closed", "mesh/bunny_closed.obj", 4, Bands { on_screen: 0.02, on_body: 0.1 });
+    check("bunny_closed", "mesh/bunny_closed.obj", 4, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.002 });
 }
 
 #[test]
 fn an_armadillo() {
-    check("armadillo", "mesh/armadillo.obj", 3, Bands { on_screen: 0.02, on_body: 0.1 });
+    check("armadillo", "mesh/armadillo.obj", 3, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.002 });
 }
 
 #[test]
 fn a_dragon() {
-    check("dragon_100k", "mesh/dragon_100k.ply", 2, Bands { on_screen: 0.02, on_body: 0.1 });
+    check("dragon_100k", "mesh/dragon_100k.ply", 2, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.002 });
 }
 
 #[test]
 fn a_bust() {
-    check("nefertiti", "mesh/nefertiti-lowres.obj", 2, Bands { on_screen: 0.02, on_body: 0.1 });
+    check("nefertiti", "mesh/nefertiti-lowres.obj", 2, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.002 });
 }
 
 #[test]
 fn a_walking_man() {
-    check("CesiumMan", "gltf/CesiumMan.glb", 5, Bands { on_screen: 0.03, on_body: 0.1 });
+    check("CesiumMan", "gltf/CesiumMan.glb", 5, Bands { on_screen: 0.03, on_body: 0.1, most_strays: 0.002 });
 }

@@ -18,13 +18,16 @@ use rustc_hash::FxHashMap;
 use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{face_normal, has_outside, is_flat};
+use super::normals::{has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
 
 /// Normals with less than this sine between them have no common tangent of their own.
 const NEARLY_PARALLEL: f64 = 1e-3;
+
+/// A crease may bend into the triangles beside it by this part of their height: else the silhouette of one that is thin and flat would turn inside out.
+const MOST_INWARD: f64 = 0.2;
 
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
@@ -41,6 +44,9 @@ pub struct SmoothBody {
     pub(super) creases: Vec<Crease>,
     pub(super) finder: NormalFinder,
     longest_edge_m: f64,
+    /// `triangles_of_wedge[first_triangle[w]..first_triangle[w + 1]]` have wedge `w`.
+    first_triangle: Vec<u32>,
+    triangles_of_wedge: Vec<u32>,
 }
 
 /// How an edge between wedges is bent.
@@ -50,7 +56,7 @@ enum Bend {
     Smooth,
     /// A crease, whose other side is this wedge edge.
     Crease(u32),
-    /// More than two triangles meet there, or one is folded over, and nothing is known.
+    /// More than two triangles meet there, and nothing is known.
     Straight,
 }
 
@@ -59,8 +65,16 @@ enum Bend {
 pub(super) struct Crease {
     /// Of the caster, the lower first.
     pub(super) vertices: [u32; 2],
-    /// On each side: the wedge edge, and +1 where its triangle walks from the lower vertex to the higher, else -1.
-    pub(super) sides: Vec<(u32, i32)>,
+    pub(super) sides: Vec<Side>,
+}
+
+/// One triangle at an edge of the caster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Side {
+    pub(super) triangle: u32,
+    pub(super) edge: u32,
+    /// +1 where the triangle walks from the edge's lower vertex to the higher, else -1.
+    pub(super) direction: i32,
 }
 
 /// Why a caster has no smooth silhouettes; it casts the exact shadow of its triangles then.
@@ -109,8 +123,7 @@ impl SmoothBody {
         }
         let split = Split::new(caster, normals);
         let wedges = split.caster(caster);
-        let (mut bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
-        straighten_folds(&wedges, &mut bends);
+        let (bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
         let finder = NormalFinder::new(&wedges, &split.normals);
         let Split { vertex_of_wedge, normals, .. } = split;
         let mut wedge_of_vertex = vec![0; caster.positions.len()];
@@ -119,7 +132,19 @@ impl SmoothBody {
         }
         let length_m = |e: &Edge| wedges.positions[e.low as usize].distance(wedges.positions[e.high as usize]);
         let longest_edge_m = wedges.topology.edges().iter().map(length_m).fold(0.0, f32::max).into();
-        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
+        let (first_triangle, triangles_of_wedge) = triangles_of_vertices(&wedges.mesh);
+        Ok(Self {
+            wedges,
+            vertex_of_wedge,
+            wedge_of_vertex,
+            normals,
+            bends,
+            creases,
+            finder,
+            longest_edge_m,
+            first_triangle,
+            triangles_of_wedge,
+        })
     }
 
     /// Where wedge `w` is, scene space.
@@ -134,6 +159,12 @@ impl SmoothBody {
 
     pub(super) fn normal(&self, w: u32) -> DVec3 {
         self.normals[w as usize].as_dvec3()
+    }
+
+    /// The triangles that have wedge `w`.
+    pub(super) fn triangles_at(&self, w: u32) -> &[u32] {
+        let [first, end] = [0, 1].map(|i| self.first_triangle[w as usize + i] as usize);
+        &self.triangles_of_wedge[first..end]
     }
 
     /// How far `light` is above the tangent plane of wedge `w`, times its distance if it has one: n.(l - v).
@@ -169,9 +200,40 @@ impl SmoothBody {
                         chord - a * a.dot(chord)
                     }
                 };
-                Curve::along(start, end, [direction(0), direction(1)])
+                let curve = Curve::along(start, end, [direction(0), direction(1)]);
+                let heights = [lower, higher].map(|side| self.height_over(side, start, end));
+                curve.flattened(
+                    heights
+                        .into_iter()
+                        .flatten()
+                        .map(|inward| curve.share_within(inward * MOST_INWARD))
+                        .fold(1.0, f64::min),
+                )
             }
         }
+    }
+
+    /// Wedge edge `e` as if it were a crease; `None` where it is one.
+    pub(super) fn seam(&self, e: usize) -> Option<Crease> {
+        if self.bends[e] != Bend::Smooth {
+            return None;
+        }
+        let sides = sides_of(&self.wedges.topology, &self.vertex_of_wedge, e as u32).collect();
+        Some(Crease { vertices: self.ends(e).map(|w| self.vertex_of_wedge[w as usize]), sides })
+    }
+
+    /// The curve of wedge edge `e` if it is one side of a crease.
+    pub(super) fn crease_curve(&self, e: usize) -> Option<Curve> {
+        matches!(self.bends[e], Bend::Crease(_)).then(|| self.curve_of_edge(e))
+    }
+
+    /// From wedge edge `e`, which is from `start` to `end`, at a right angle to the third corner of its triangle.
+    fn height_over(&self, e: usize, start: DVec3, end: DVec3) -> Option<DVec3> {
+        let (t, _) = self.wedges.topology.triangles_on_edge(e).next()?;
+        let edge = self.wedges.topology.edges()[e];
+        let third = self.wedges.mesh.triangles()[t].into_iter().find(|&w| w != edge.low && w != edge.high)?;
+        let (chord, off) = (end - start, self.place(third) - start);
+        Some(off - chord * (off.dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE)))
     }
 
     /// A box that holds every curve of the body, on edges and between them: those are at most twice as long as their chord, and chords at most as
@@ -188,34 +250,38 @@ impl SmoothBody {
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
             + edges * (size_of::<Bend>() + 94)
-            + self.wedges.mesh.triangles().len() * 56
+            + self.wedges.mesh.triangles().len() * 70
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
 }
 
-/// Makes the edges straight of triangles that are folded over: alone between creases, and turned by more than a right angle from a neighbour.
-///
-/// Those are slivers that a scanner or a decimation has left, as often as not. The normals of their sides are nearly opposite, so the curves of their edges may go
-/// anywhere: the silhouette of a sliver would be a hole in its neighbours.
-fn straighten_folds(wedges: &Caster, bends: &mut [Bend]) {
-    let triangle_on = |e: u32| wedges.topology.triangles_on_edge(e as usize).next().map(|(t, _)| t);
-    let creases: Vec<(usize, u32)> = (0..bends.len())
-        .filter_map(|e| if let Bend::Crease(other) = bends[e] { Some((e, other)) } else { None })
-        .collect();
-    let mut creases_of_triangle: FxHashMap<usize, u32> = FxHashMap::default();
-    let mut is_folded: FxHashMap<usize, bool> = FxHashMap::default();
-    for &(e, other) in &creases {
-        let (Some(t), Some(beyond)) = (triangle_on(e as u32), triangle_on(other)) else { continue };
-        *creases_of_triangle.entry(t).or_default() += 1;
-        *is_folded.entry(t).or_default() |= face_normal(wedges, t).dot(face_normal(wedges, beyond)) <= 0.0;
+/// The triangles at wedge edge `e`.
+fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator<Item = Side> {
+    let edge = wedges.edges()[e as usize];
+    let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
+    let turn = if is_turned { -1 } else { 1 };
+    let side = move |(t, direction)| Side { triangle: t as u32, edge: e, direction: turn * direction };
+    wedges.triangles_on_edge(e as usize).map(side)
+}
+
+/// For each vertex where its triangles begin in a list of them, and the list.
+fn triangles_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
+    let mut first = vec![0; mesh.positions().len() + 1];
+    for &v in mesh.triangles().as_flattened() {
+        first[v as usize + 1] += 1;
     }
-    for (e, other) in creases {
-        let Some(t) = triangle_on(e as u32) else { continue };
-        if creases_of_triangle.get(&t) == Some(&3) && is_folded.get(&t) == Some(&true) {
-            bends[e] = Bend::Straight;
-            bends[other as usize] = Bend::Straight;
+    for v in 1..first.len() {
+        first[v] += first[v - 1];
+    }
+    let mut next = first.clone();
+    let mut list = vec![0; 3 * mesh.triangles().len()];
+    for (corners, t) in mesh.triangles().iter().zip(0..) {
+        for &v in corners {
+            list[next[v as usize] as usize] = t;
+            next[v as usize] += 1;
         }
     }
+    (first, list)
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.
@@ -292,10 +358,7 @@ fn find_creases(caster: &Caster, wedges: &Topology, vertex_of_wedge: &[u32]) -> 
         let vertices = group[0].0;
         let mut sides = Vec::new();
         for &(_, e) in group {
-            let edge = wedges.edges()[e as usize];
-            let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
-            let turn = if is_turned { -1 } else { 1 };
-            sides.extend(wedges.triangles_on_edge(e as usize).map(|(_, direction)| (e, turn * direction)));
+            sides.extend(sides_of(wedges, vertex_of_wedge, e));
         }
         match (group, sides.len()) {
             ([(_, e)], 2) => bends[*e as usize] = Bend::Smooth,

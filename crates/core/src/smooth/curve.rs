@@ -71,6 +71,30 @@ impl Curve {
         across.normalize_or(between)
     }
 
+    /// How far the curve is from its chord at `u`.
+    pub(super) fn bulge(&self, u: f64) -> DVec3 {
+        self.at(u) - self.start.lerp(self.end, u)
+    }
+
+    /// From end to start.
+    pub(super) fn reversed(&self) -> Self {
+        let [first, last] = self.tangents;
+        Self { start: self.end, end: self.start, tangents: [-last, -first] }
+    }
+
+    /// How much of the curve's bend, from 0 to 1, keeps it from going farther than `inward` in that direction from its chord.
+    pub(super) fn share_within(&self, inward: DVec3) -> f64 {
+        let off = |u: f64| self.bulge(u).dot(inward);
+        let farthest = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
+        if farthest > inward.length_squared() { inward.length_squared() / farthest } else { 1.0 }
+    }
+
+    /// With that `share` of its bend.
+    pub(super) fn flattened(&self, share: f64) -> Self {
+        let chord = self.end - self.start;
+        Self { tangents: self.tangents.map(|tangent| chord.lerp(tangent, share)), ..*self }
+    }
+
     /// Into how many pieces of equal length in `u` the part from `from` to `to` must be cut so that no chord is farther than `epsilon_m` from
     /// the curve; 1 to 256.
     ///

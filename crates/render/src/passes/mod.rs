@@ -11,7 +11,7 @@ mod tone;
 
 pub(crate) use find::{FindPass, FindingUniform, FoundLightData, JobSlot, JobUniform, MOST_PLANES, job_flags};
 pub(crate) use glass::{GlassFrame, GlassPass};
-pub(crate) use light::LightPass;
+pub(crate) use light::{LightPass, SoftSurfaces};
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use pose::{PoseBuffers, PosePass, PosedUniform};
 pub(crate) use sphere::{GpuSpheres, SpherePass};
@@ -25,6 +25,7 @@ use crate::{Gpu, gpu_finishes, uniforms};
 pub(crate) struct Layouts {
     pub(crate) view: wgpu::BindGroupLayout,
     pub(crate) light: wgpu::BindGroupLayout,
+    pub(crate) finish: wgpu::BindGroupLayout,
     pub(crate) view_and_light: wgpu::PipelineLayout,
     /// Surfaces without a light.
     pub(crate) view_and_finish: wgpu::PipelineLayout,
@@ -41,7 +42,7 @@ impl Layouts {
         let view_and_finish = pipeline_layout(gpu, "view and finish", &[Some(&view), None, Some(&finish)]);
         let view_light_and_finish =
             pipeline_layout(gpu, "view, light and finish", &[Some(&view), Some(&light), Some(&finish)]);
-        Self { view, light, view_and_light, view_and_finish, view_light_and_finish }
+        Self { view, light, finish, view_and_light, view_and_finish, view_light_and_finish }
     }
 }
 
