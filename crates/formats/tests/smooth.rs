@@ -108,6 +108,7 @@ struct Findings {
     counts: usize,
 }
 
+#[expect(clippy::print_stdout, reason = "the table is what the test is run for")]
 fn check(name: &str, file: &str, pieces: u32, bands: Bands) {
     let Some(folder) = shared_data::folder() else { return };
     let effort = Effort::asked_for();

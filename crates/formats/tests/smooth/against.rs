@@ -1,6 +1,6 @@
 //! What a volume says of points on its own body, against rays through the curved surface.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use umbrae_core::{LightPosition, RayCaster};
 
 use super::subject::{Lit, Part, Subject};
@@ -92,7 +92,7 @@ impl Part {
     fn sample(&self, t: usize, weights: [f64; 3]) -> Sample {
         let (_, finer) = self.smooth.as_ref().expect("it is smooth");
         let whole = t / (finer.triangles().len() / self.caster.mesh.triangles().len());
-        let [uv_a, uv_b, uv_c] = finer.corner_uvs()[t].map(|uv| uv.as_dvec2());
+        let [uv_a, uv_b, uv_c] = finer.corner_uvs()[t].map(Vec2::as_dvec2);
         let uv = uv_a * weights[0] + uv_b * weights[1] + uv_c * weights[2];
         let on_whole = [1.0 - uv.x - uv.y, uv.x, uv.y];
         let corners = self.caster.corners(whole);
