@@ -261,9 +261,7 @@ mod tests {
     fn any_normals_leave_it_closed_and_finite() {
         let torus = caster_of(shapes::torus(Vec3::ZERO, 1.5, 0.5, 12, 8));
         let normals: Vec<[Vec3; 3]> = (0..torus.mesh.triangles().len())
-            .map(|t| {
-                std::array::from_fn(|i| (Vec3::from(torus.corners(t)[i]) * 97.3).map(f32::sin).normalize_or_zero())
-            })
+            .map(|t| std::array::from_fn(|i| (torus.corners(t)[i] * 97.3).map(f32::sin).normalize_or_zero()))
             .collect();
         let body = SmoothBody::new(&torus, &normals).expect("it is not flat");
         let mesh = body.tessellated(&torus, 4).expect("it is small");
@@ -273,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_sphere_of_eighty_triangles_becomes_round() {
-        for (subdivisions, off_m) in [(0, 0.03), (1, 0.003), (2, 0.001)] {
+        for (subdivisions, off_m) in [(0, 0.03), (1, 0.003), (2, 0.002)] {
             let sphere = caster_of(shapes::icosphere(Vec3::ZERO, 1.0, subdivisions));
             let mesh = finer(&sphere, 6);
             for (corners, normals) in mesh.triangles().iter().zip(mesh.corner_normals()) {

@@ -165,3 +165,46 @@ fn counts_are_within_the_bound_and_the_same_on_every_path() {
     }
     assert!(decided > 8000, "{decided} counts");
 }
+
+/// A sphere, one of whose vertices has a normal that is turned away where it is most lit.
+#[test]
+fn a_normal_that_is_turned_away_tears_no_hole_into_the_shadow() {
+    let sphere = caster_of(shapes::icosphere(Vec3::ZERO, 1.0, 2));
+    let mut normals = corner_normals(&sphere, &[], 0.76);
+    let top = sphere.corners(0)[0];
+    for (t, normals) in normals.iter_mut().enumerate() {
+        for (place, normal) in sphere.corners(t).iter().zip(normals) {
+            if *place == top {
+                *normal = (top.any_orthogonal_vector() - 0.2 * top).normalize_or_zero();
+            }
+        }
+    }
+    let body = SmoothBody::new(&sphere, &normals).expect("it is round");
+    let towards = top.as_dvec3();
+    for light in [LightPosition::directional(towards).expect("not zero"), LightPosition::point(towards * 3.0)] {
+        for smoothness in [Smoothness::Accurate, Smoothness::Smooth(Precision::in_world(0.001))] {
+            let volume = SmoothVolume::new(&body, light, &smoothness);
+            let (positions, flat) = volume.flattened(&body, &sphere);
+            assert!(flat.is_closed());
+            let behind = towards * -2.0 + DVec3::splat(1e-3);
+            let count = flat.count_to_infinity(&positions, light, behind, DVec3::new(0.3, 0.2, 0.1));
+            assert_eq!(count, Some(1), "{light:?}, {smoothness:?}");
+        }
+    }
+}
+
+#[test]
+fn light_falls_through_a_ring() {
+    let ring = caster_of(shapes::torus(Vec3::ZERO, 1.5, 0.5, 12, 8));
+    let body = body_of(&ring);
+    let sun = LightPosition::directional(DVec3::new(0.02, 0.01, 1.0)).expect("not zero");
+    for smoothness in [Smoothness::Accurate, Smoothness::Smooth(Precision::in_world(0.01))] {
+        let volume = SmoothVolume::new(&body, sun, &smoothness);
+        let (positions, flat) = volume.flattened(&body, &ring);
+        let count = |x: f64| {
+            let point = DVec3::new(x, 0.1, -5.0);
+            flat.count_to_infinity(&positions, sun, point, DVec3::new(0.3, 0.2, 0.1))
+        };
+        assert_eq!([count(0.0), count(1.5)], [Some(0), Some(1)], "{smoothness:?}");
+    }
+}
