@@ -96,7 +96,14 @@ impl SoftPlan {
         let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
         let windings = seen.windings(casters);
         let penumbra_rect = |bounds: &Bounds| {
-            rect_by_culling(&widened(bounds, spread_m(light, bounds, &seen.bounds)), &culler, options, rect)
+            let wide = widened(bounds, spread_m(light, bounds, &seen.bounds));
+            let rect = rect_by_culling(&wide, &culler, options, rect)?;
+            if !options.caster_scissor {
+                return Ok(rect);
+            }
+            // What is seen is in the scene, and so is what of a penumbra matters: the smaller, the fewer overlap.
+            let within = culler.shadow_rect_within(&wide, &seen.bounds.union(wide));
+            within.and_then(|within| within.intersection(&rect)).ok_or(Fate::Unseen)
         };
         let outlined: Vec<Result<(Outline, PixelRect), Fate>> = (0..casters.len())
             .into_par_iter()
