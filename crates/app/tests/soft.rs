@@ -4,7 +4,6 @@
 //! room for what fewer rays leave to chance. `UMBRAE_SOFT_SCENE=fence` takes only what has "fence" in its name.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
-#![expect(clippy::print_stdout, reason = "the table is what one runs this for")]
 
 #[expect(dead_code, reason = "this test takes one model, not all")]
 mod data;
@@ -16,6 +15,9 @@ use umbrae_render::{AdapterChoice, Gpu, GpuScene, Renderer, Shot};
 use web_time::Instant;
 
 use self::scenes::{SoftScene, scenes};
+
+/// Errors that are told of one by one: seen along edges, where a rasteriser and a ray differ in what the pixel shows, and nowhere else.
+const OUTLIER: f64 = 0.5;
 
 /// How closely one looks, and what is asked for.
 struct Bars {
@@ -120,6 +122,12 @@ fn measured(renderer: &Renderer, soft: &SoftScene, side: u32) -> (Errors, String
     let truth = oracle.seen_light(camera, light, side, || ());
     let rays_s = start.elapsed().as_secs_f64();
     let errors = Errors::new(&visibility.seen, &truth);
+    for (i, (seen, truth)) in visibility.seen.iter().zip(&truth).enumerate() {
+        if let Some(truth) = truth.filter(|truth| (f64::from(*seen) - truth.share).abs() > OUTLIER) {
+            let width = camera.size_px()[0] as usize;
+            println!("{name}: {seen} at {:?}, and by rays {truth:?}", [i % width, i / width]);
+        }
+    }
     let triangles = scene.triangle_count();
     let Errors { pixels, partly, mean_of_partly, mean, most, worst, mean_of_light, most_of_light } = errors;
     let line = format!(

@@ -248,8 +248,18 @@ fn extended<T>(all: &mut Vec<T>, more: impl IntoIterator<Item = T>) -> Range<u32
 fn spread_m(light: &Light, bounds: &Bounds, scene: &Bounds) -> f64 {
     match light.extent {
         Extent::Disc { radius_rad } => {
-            let farthest = (bounds.max - scene.min).max(scene.max - bounds.min);
-            farthest.length() * radius_rad.tan()
+            let (tan, toward) = (radius_rad.tan(), light.position.homogeneous().truncate());
+            let (below, above) = (bounds.max - scene.min, scene.max - bounds.min);
+            // Away from the caster, a way to any point of the light leaves the scene after this at the latest, whichever axis comes first.
+            let mut farthest = below.max(above).length();
+            for axis in 0..3 {
+                let lean = toward[axis].abs() - 2.0 * tan;
+                let room = if toward[axis] > 0.0 { below[axis] } else { above[axis] };
+                if lean > 0.0 {
+                    farthest = farthest.min(room.max(0.0) / lean);
+                }
+            }
+            farthest * tan
         }
         extent => extent.radius_m(),
     }
