@@ -122,10 +122,12 @@ fn measured(renderer: &Renderer, soft: &SoftScene, side: u32) -> (Errors, String
     let truth = oracle.seen_light(camera, light, side, || ());
     let rays_s = start.elapsed().as_secs_f64();
     let errors = Errors::new(&visibility.seen, &truth);
+    let judged = oracle.judge(camera, std::slice::from_ref(light), || ()).remove(0);
     for (i, (seen, truth)) in visibility.seen.iter().zip(&truth).enumerate() {
         if let Some(truth) = truth.filter(|truth| (f64::from(*seen) - truth.share).abs() > OUTLIER) {
             let width = camera.size_px()[0] as usize;
-            println!("{name}: {seen} at {:?}, and by rays {truth:?}", [i % width, i / width]);
+            let at = [i % width, i / width];
+            println!("{name}: {seen} at {at:?}, decided {:?}, and by rays {truth:?}", judged[i].verdict);
         }
     }
     let triangles = scene.triangle_count();
