@@ -139,6 +139,42 @@ impl Culler {
     }
 }
 
+impl Culler {
+    /// As [`Culler::shadow_rect`], where nothing that matters is outside of `scene`, which holds the caster: a shadow ends where it leaves that.
+    pub fn shadow_rect_within(&self, caster: &Bounds, scene: &Bounds) -> Option<PixelRect> {
+        let end = widened(&shadow_within(caster, self.light, scene), self.slack);
+        let corners = end.corners().map(|corner| corner.extend(1.0));
+        let faces = FACES.map(|face| face.map(|i| corners[i]));
+        let holds = |point: DVec4| {
+            let point = if point.w == 0.0 { return false } else { point.truncate() / point.w };
+            point.clamp(end.min, end.max) == point
+        };
+        let of_end = self.screen.rect_of(faces.iter().map(<[DVec4; 4]>::as_slice), holds)?;
+        self.shadow_rect(caster)?.intersection(&of_end)
+    }
+}
+
+/// A box around what is in `scene` of the caster and behind it as the light sees it.
+///
+/// All points of the caster move away from the light at once, each by `t` times its offset from it (or by `t` along a directional light), until they have
+/// left the scene on the side of some axis.
+fn shadow_within(caster: &Bounds, light: LightPosition, scene: &Bounds) -> Bounds {
+    let (at_min, at_max) = (-light.offset_from(caster.min), -light.offset_from(caster.max));
+    let mut t = f64::INFINITY;
+    for axis in 0..3 {
+        if at_min[axis] > 0.0 {
+            t = t.min((scene.max[axis] - caster.min[axis]).max(0.0) / at_min[axis]);
+        } else if at_max[axis] < 0.0 {
+            t = t.min((caster.max[axis] - scene.min[axis]).max(0.0) / -at_max[axis]);
+        }
+    }
+    if !t.is_finite() {
+        return *scene;
+    }
+    let end = Bounds { min: caster.min.min(caster.min + at_min * t), max: caster.max.max(caster.max + at_max * t) };
+    Bounds { min: end.min.max(scene.min), max: end.max.min(scene.max) }
+}
+
 fn widened(bounds: &Bounds, by: f64) -> Bounds {
     Bounds { min: bounds.min - DVec3::splat(by), max: bounds.max + DVec3::splat(by) }
 }

@@ -147,6 +147,7 @@ pub(crate) mod tests {
 
     use crate::gpu_finishes::FinishUniform;
     use crate::passes::{FindingUniform, FoundLightData, JobSlot, JobUniform, PosedUniform};
+    use crate::soft::ExtentUniform;
     use crate::texture_displacer::DisplacingUniform;
 
     /// Size of the WGSL struct `name`, and for each member its name and offset.
@@ -307,6 +308,19 @@ pub(crate) mod tests {
             [position_world, strength, range_m, axis_world, cos_outer, sin_outer, cos_inner, unused_a, unused_b]
         );
     }
+
+    #[test]
+    fn a_light_s_extent_has_the_same_bytes_in_rust_and_wgsl() {
+        let source = [
+            include_str!("shaders/view.wgsl"),
+            include_str!("shaders/light.wgsl"),
+            include_str!("shaders/light_face.wgsl"),
+        ];
+        let (span, members) = wgsl_layout(&source.concat(), "Extent");
+        assert_eq!(span, size_of::<ExtentUniform>());
+        assert_eq!(members, ExtentUniform::members().map(|(name, offset)| (name.to_owned(), offset)));
+    }
+
     #[test]
     fn finish_and_lights_have_the_same_bytes_in_rust_and_wgsl() {
         let surface = [

@@ -236,3 +236,71 @@ fn only_the_town_has_a_night() {
     let day = place.umbrae(&["sample", "town", "-o", &place.out("x.glb")]).success();
     day.stderr(contains("triangles in").and(contains("light").not()));
 }
+
+#[test]
+fn lights_have_the_size_that_one_says_and_the_report_tells_it() {
+    let place = Place::new();
+    let options = [
+        "--light-radius",
+        "0.25",
+        "--point",
+        "3,0,4",
+        "--spot",
+        "0,-3,4:0,3,-4:40",
+        "--light-size",
+        "0.8x0.4",
+        "--sun",
+        "90,45",
+        "--sun-disc",
+    ];
+    let lights = lights(&place, &options);
+    assert_eq!(lights[0]["extent"], json!({ "shape": "ball", "radius": 0.25 }));
+    assert_eq!(lights[1]["extent"]["shape"], "rectangle");
+    let (right, up) = (numbers(&lights[1]["extent"]["half_right"]), numbers(&lights[1]["extent"]["half_up"]));
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!((length(&right) - 0.4).abs() < 1e-6 && (length(&up) - 0.2).abs() < 1e-6, "{right:?} {up:?}");
+    assert_eq!(lights[2]["extent"]["shape"], "disc");
+    assert!(is_near(&lights[2]["extent"]["radius_deg"], 0.2665), "{}", lights[2]);
+}
+
+/// What is drawn soft differs from what is drawn hard along shadows, and nowhere in the mask, which is about the middle of the light.
+#[test]
+fn soft_pictures_differ_from_hard_ones_and_masks_and_proofs_do_not() {
+    let place = Place::new();
+    let model = place.file("box.obj", BOX);
+    let drawn = |name: &str, options: &[&str]| {
+        let (picture, mask) = (place.out(&format!("{name}.png")), place.out(&format!("{name}-mask.png")));
+        let files = ["render", &model, "-q", "-o", &picture, "--mask", &mask, "--verify", "--size", "80x60"];
+        place.umbrae(&[&files[..], &["--point", "2,-2,5"], options].concat()).success();
+        [picture, mask].map(|path| std::fs::read(path).expect("it was written"))
+    };
+    for samples in ["1", "4"] {
+        let [hard, hard_mask] = drawn("hard", &["--samples", samples]);
+        let [soft, soft_mask] = drawn("soft", &["--samples", samples, "--light-radius", "0.5"]);
+        assert_ne!(hard, soft, "{samples} samples");
+        assert_eq!(hard_mask, soft_mask);
+    }
+}
+
+#[test]
+fn a_size_that_can_not_be_is_refused_and_one_that_changes_nothing_is_told() {
+    let place = Place::new();
+    let (model, picture) = (place.file("box.obj", BOX), place.out("x.png"));
+    let run = |options: &[&str]| place.umbrae(&[&["render", &model, "-o", &picture], &SMALL[..], options].concat());
+    for (options, said) in [
+        (&["--point", "2,-2,5", "--light-radius", "0"][..], "`0` is not a length"),
+        (&["--point", "2,-2,5", "--light-radius", "-1"], "`-1` is not a length"),
+        (&["--point", "2,-2,5", "--light-radius", "nan"], "`nan` is not a length"),
+        (&["--point", "2,-2,5", "--light-radius", "1000"], "too large for `point 1`"),
+        (&["--point", "2,-2,5", "--light-size", "1"], "`1` is not a size"),
+        (&["--point", "2,-2,5", "--light-size", "1x1000"], "too large for `point 1`"),
+        (&["--sun", "90,45", "--light-radius", "1"], "--sun-disc gives the sun its size"),
+        (&["--point", "2,-2,5", "--light-radius", "1", "--area-samples", "4"], "cannot be used with"),
+    ] {
+        run(options).code(2).stderr(contains(said));
+        assert!(!std::path::Path::new(&picture).exists(), "{options:?} wrote a picture");
+    }
+    run(&["--soft"]).success().stderr(contains("--soft changes nothing"));
+    run(&["--light-radius", "1"]).success().stderr(contains("change nothing: no light is a lamp"));
+    run(&["--point", "2,-2,5", "--sun-disc"]).success().stderr(contains("--sun-disc changes nothing"));
+}

@@ -29,8 +29,12 @@ pub(crate) fn scenes(data: &Path, size_px: [u32; 2]) -> Vec<SoftScene> {
         let view = ViewChoice { size_px, eye: Some(eye.into()), target: Some(target.into()), ..ViewChoice::default() };
         seen(name, scene, &view, |_| light)
     };
-    let framed = |name, scene: Scene, light: fn(&Scene) -> Light| {
-        seen(name, scene, &ViewChoice { size_px, ..ViewChoice::default() }, light)
+    // From so near, in radii of the model, that penumbrae are pixels wide.
+    let near = |name, scene: Scene, radii: f64, light: fn(&Scene) -> Light| {
+        let (middle, radius) = (scene.bounds().center() + scene.origin, scene.bounds().radius());
+        let eye = middle + DVec3::new(0.62, -0.55, 0.55) * (radii * radius);
+        let view = ViewChoice { size_px, eye: Some(eye), target: Some(middle), ..ViewChoice::default() };
+        seen(name, scene, &view, light)
     };
     let bunny = load(&data.join("mesh/bunny_closed.obj"), &LoadOptions::default()).unwrap().scene;
     let fence = (0..9).map(|i| cuboid([-2.0 + 0.5 * i as f32, 0.0, 0.0], [0.1, 0.1, 1.6])).collect();
@@ -44,8 +48,8 @@ pub(crate) fn scenes(data: &Path, size_px: [u32; 2]) -> Vec<SoftScene> {
         own(
             "post in the sun",
             vec![cuboid([-1.0, -1.0, 0.0], [2.0, 2.0, 40.0])],
-            [30.0, 5.0, 40.0],
-            [8.0, 25.0, 0.0],
+            [38.0, 8.0, 9.0],
+            [30.0, 19.0, 0.0],
             sun(),
         ),
         own(
@@ -53,25 +57,25 @@ pub(crate) fn scenes(data: &Path, size_px: [u32; 2]) -> Vec<SoftScene> {
             vec![shapes::icosphere(Vec3::new(0.0, 0.0, 1.5), 0.8, 3)],
             [5.0, -5.0, 5.0],
             [0.3, 0.3, 0.3],
-            ball([-0.6, -1.2, 5.0], 0.3),
+            ball([-0.6, -1.2, 5.0], 0.8),
         ),
-        own("fence beside a panel", fence, [3.0, 6.0, 4.0], [0.0, 1.0, 0.0], panel([0.3, -4.0, 4.0], [0.6, 0.4])),
-        own("table under a ball", vec![table()], [3.5, -3.5, 2.2], [0.0, 0.0, 0.2], ball([0.4, 0.3, 2.6], 0.15)),
-        own("boxes under a panel", boxes, [4.0, -5.0, 5.0], [0.0, 0.0, 0.0], panel([0.3, 0.4, 4.5], [0.5, 0.3])),
+        own("fence beside a panel", fence, [3.0, 6.0, 4.0], [0.0, 1.0, 0.0], panel([0.3, -4.0, 4.0], [0.8, 0.5])),
+        own("table under a ball", vec![table()], [3.5, -3.5, 2.2], [0.0, 0.0, 0.2], ball([0.4, 0.3, 2.6], 0.3)),
+        own("boxes under a panel", boxes, [4.0, -5.0, 5.0], [0.0, 0.0, 0.0], panel([0.3, 0.4, 4.5], [1.0, 0.6])),
         own(
             "plate over a sphere",
             vec![plate, shapes::icosphere(Vec3::new(0.2, 0.3, 0.5), 0.4, 2)],
             [3.5, -4.5, 2.5],
             [0.0, 0.2, 0.2],
-            ball([0.8, -0.9, 4.0], 0.3),
+            ball([0.8, -0.9, 4.0], 0.7),
         ),
-        framed("bunny under a ball", bunny, |scene| {
+        near("bunny under a ball", bunny, 3.5, |scene| {
             let (middle, radius) = (scene.bounds().center(), scene.bounds().radius());
-            ball((middle + DVec3::new(1.4, -1.1, 2.6) * radius).to_array(), 0.15 * radius)
+            ball((middle + DVec3::new(1.4, -1.1, 2.6) * radius).to_array(), 0.4 * radius)
         }),
-        framed("town in the sun", Sample::Town.scene(), |_| sun()),
-        framed("high-rise in the sun", Sample::HighRise.scene(), |_| sun()),
-        framed("lattice tower in the sun", Sample::LatticeTower.scene(), |_| sun()),
+        near("town in the sun", Sample::Town.scene(), 0.25, |_| sun()),
+        near("high-rise in the sun", Sample::HighRise.scene(), 1.2, |_| sun()),
+        near("lattice tower in the sun", Sample::LatticeTower.scene(), 1.0, |_| sun()),
     ]
 }
 

@@ -31,6 +31,18 @@ pub(crate) struct ExtentUniform {
 }
 
 impl ExtentUniform {
+    /// Names and offsets, for the test that holds the twins together.
+    #[cfg(test)]
+    pub(crate) fn members() -> [(&'static str, usize); 4] {
+        use std::mem::offset_of;
+        [
+            ("half_right", offset_of!(Self, half_right)),
+            ("kind", offset_of!(Self, kind)),
+            ("half_up", offset_of!(Self, half_up)),
+            ("radius", offset_of!(Self, radius)),
+        ]
+    }
+
     fn new(extent: Extent) -> Self {
         let of = |kind, half_right: DVec3, half_up: DVec3, radius: f64| Self {
             half_right: half_right.as_vec3().to_array(),

@@ -30,6 +30,8 @@ mod light;
 mod plan;
 mod targets;
 
+#[cfg(test)]
+pub(crate) use coverage::ExtentUniform;
 pub(crate) use coverage::{SoftLight, SoftPass};
 pub(crate) use light::SoftLightPass;
 pub(crate) use targets::SoftTargets;

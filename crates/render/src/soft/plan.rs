@@ -100,7 +100,14 @@ impl SoftPlan {
         let windings = seen.windings(casters);
         let smoothness = options.smooth.smoothness(&seen.camera, seen.bounds);
         let penumbra_rect = |bounds: &Bounds| {
-            rect_by_culling(&widened(bounds, spread_m(light, bounds, &seen.bounds)), &culler, options, rect)
+            let wide = widened(bounds, spread_m(light, bounds, &seen.bounds));
+            let rect = rect_by_culling(&wide, &culler, options, rect)?;
+            if !options.caster_scissor {
+                return Ok(rect);
+            }
+            // What is seen is in the scene, and so is what of a penumbra matters: the smaller, the fewer overlap.
+            let within = culler.shadow_rect_within(&wide, &seen.bounds.union(wide));
+            within.and_then(|within| within.intersection(&rect)).ok_or(Fate::Unseen)
         };
         let outlined: Vec<Result<(Outline, PixelRect), Fate>> = (0..casters.len())
             .into_par_iter()
@@ -272,8 +279,18 @@ fn extended<T>(all: &mut Vec<T>, more: impl IntoIterator<Item = T>) -> Range<u32
 fn spread_m(light: &Light, bounds: &Bounds, scene: &Bounds) -> f64 {
     match light.extent {
         Extent::Disc { radius_rad } => {
-            let farthest = (bounds.max - scene.min).max(scene.max - bounds.min);
-            farthest.length() * radius_rad.tan()
+            let (tan, toward) = (radius_rad.tan(), light.position.homogeneous().truncate());
+            let (below, above) = (bounds.max - scene.min, scene.max - bounds.min);
+            // Away from the caster, a way to any point of the light leaves the scene after this at the latest, whichever axis comes first.
+            let mut farthest = below.max(above).length();
+            for axis in 0..3 {
+                let lean = toward[axis].abs() - 2.0 * tan;
+                let room = if toward[axis] > 0.0 { below[axis] } else { above[axis] };
+                if lean > 0.0 {
+                    farthest = farthest.min(room.max(0.0) / lean);
+                }
+            }
+            farthest * tan
         }
         extent => extent.radius_m(),
     }
