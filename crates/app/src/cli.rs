@@ -27,7 +27,7 @@ use crate::show::Mode;
 pub use self::bench::{BenchCommand, SilhouettesArgs, SmoothArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
-pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};
+pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette, SmoothKind};
 pub use self::study::{On, StudyArgs};
 pub use self::sun::SunArgs;
 pub use self::when::{DateRange, PeriodArgs, PlaceArgs};

@@ -24,7 +24,7 @@ use crate::report::{
     CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, SphereReport, Times, VerifyJson,
 };
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
-use crate::smooth::smooth_bodies;
+use crate::smooth::{smooth_bodies, tessellate};
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
@@ -79,6 +79,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
 
     if let Some(crease_rad) = args.shadows.crease_rad() {
         scene.split_smooth_parts(crease_rad);
+        if let Some(pieces) = args.shadows.tessellate {
+            tessellate(&mut scene.objects, crease_rad, pieces)?;
+        }
     }
     let start = Instant::now();
     let mut casters = Caster::of_scene(&scene);
@@ -96,7 +99,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let moves = files.iter().any(|file| file.is_played) && bodies.is_none();
     gpu_scene.give_bodies(bodies.unwrap_or_default());
     let posing = args.posing.unwrap_or_else(|| best_posing(renderer.gpu(), moves));
-    let is_smooth = args.shadows.smooth;
+    let is_smooth = args.shadows.crease_rad().is_some();
     ensure!(
         !is_smooth || posing == Posing::Cpu,
         "--posing gpu moves what --smooth has prepared; leave one of them out"
@@ -418,7 +421,7 @@ fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk
 
 /// With normals, where something is to be smooth.
 fn load_options(args: &RenderArgs) -> LoadOptions {
-    LoadOptions { normals: args.shadows.smooth, ..args.load.options() }
+    LoadOptions { normals: args.shadows.crease_rad().is_some(), ..args.load.options() }
 }
 
 /// The GPU, where something moves and it can.

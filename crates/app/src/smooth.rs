@@ -2,7 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use umbrae_core::{Caster, NotSmooth, Object, SmoothBody, corner_normals, given_normals};
+use std::sync::Arc;
+
+use anyhow::Context as _;
+use glam::DAffine3;
+use umbrae_core::{Caster, NotSmooth, Object, SmoothBody, Topology, corner_normals, given_normals};
 
 use crate::talk::{Talk, counted};
 
@@ -49,4 +53,22 @@ pub fn smooth_bodies(
         ));
     }
     bodies
+}
+
+/// Cuts each triangle of those of `objects` that are smooth into `pieces` a side, on the curved surface, as they are posed.
+///
+/// # Errors
+///
+/// When an object would have more triangles than a mesh can.
+pub fn tessellate(objects: &mut [Object], crease_rad: f64, pieces: u32) -> anyhow::Result<()> {
+    for object in objects {
+        let caster = Caster::new(object, Arc::new(Topology::new(&object.mesh)));
+        let normals = corner_normals(&caster, &given_normals(object), crease_rad);
+        let Ok(body) = SmoothBody::new(&caster, &normals) else { continue };
+        let mesh = body.tessellated(&caster, pieces);
+        let mesh = mesh.with_context(|| format!("`{}` can't be cut into {pieces} pieces a side", object.name))?;
+        // It is where it is drawn already.
+        *object = Object { mesh: Arc::new(mesh), world_from_object: DAffine3::IDENTITY, pose: None, ..object.clone() };
+    }
+    Ok(())
 }

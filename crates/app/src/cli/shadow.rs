@@ -40,6 +40,15 @@ pub enum Method {
     EyeCount,
 }
 
+/// Which silhouettes smooth shadows are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SmoothKind {
+    /// Curves on the smooth surface
+    Curved,
+    /// Lines on the mesh, where normals turn away from the light
+    Accurate,
+}
+
 /// How pixels that a light can't change are kept out of counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LightMark {
@@ -75,9 +84,28 @@ pub struct ShadowArgs {
     method: Method,
 
     /// Cast the shadows of the smooth surfaces that vertex normals tell of, and shade by them: boundaries do not show how finely a mesh is cut.
-    /// Objects that are not closed or have flat faces cast those of their triangles
-    #[arg(long, conflicts_with_all = ["verify", "silhouette"], help_heading = SMOOTH)]
-    pub smooth: bool,
+    /// Objects that are not closed or have flat faces cast those of their triangles. `--smooth=accurate` stays on the mesh, where normals turn away from the light
+    #[arg(
+        long,
+        value_name = "HOW",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "curved",
+        conflicts_with_all = ["verify", "silhouette"],
+        help_heading = SMOOTH
+    )]
+    smooth: Option<SmoothKind>,
+
+    /// Cut each triangle of smooth objects into so many pieces a side, on the surface that they stand for, so that their own outlines are round too
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(2..=16),
+        allow_hyphen_values = true,
+        requires = "smooth",
+        help_heading = SMOOTH
+    )]
+    pub tessellate: Option<u32>,
 
     /// How far a smooth silhouette may be from its curve, in metres
     #[arg(
@@ -178,17 +206,19 @@ impl ShadowArgs {
 
     /// Edges that bend by more stay sharp; `None` where nothing is smooth.
     pub fn crease_rad(&self) -> Option<f64> {
-        self.smooth.then(|| self.crease.to_radians())
+        self.smooth.map(|_| self.crease.to_radians())
     }
 
     /// How shadows are determined.
     pub fn options(&self) -> ShadowOptions {
         ShadowOptions {
             method: self.method.into(),
-            smooth: if self.smooth {
-                Smooth::Curved { epsilon_m: self.epsilon, epsilon_px: Some(self.epsilon_px) }
-            } else {
-                Smooth::Off
+            smooth: match self.smooth {
+                None => Smooth::Off,
+                Some(SmoothKind::Accurate) => Smooth::Accurate,
+                Some(SmoothKind::Curved) => {
+                    Smooth::Curved { epsilon_m: self.epsilon, epsilon_px: Some(self.epsilon_px) }
+                }
             },
             silhouettes: self.silhouette.into(),
             cull_lights: !(self.no_cull || self.no_light_cull),
