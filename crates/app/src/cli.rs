@@ -24,7 +24,7 @@ use crate::parse::{fov_deg, metres, picture_size, seconds, sphere, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
 
-pub use self::bench::{BenchCommand, SilhouettesArgs};
+pub use self::bench::{BenchCommand, SilhouettesArgs, SmoothArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette};

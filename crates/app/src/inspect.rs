@@ -315,5 +315,6 @@ fn plus(a: MeshCounts, b: MeshCounts) -> MeshCounts {
         triangles_read: a.triangles_read + b.triangles_read,
         vertices_read: a.vertices_read + b.vertices_read,
         degenerate_triangles: a.degenerate_triangles + b.degenerate_triangles,
+        unusable_normals: a.unusable_normals + b.unusable_normals,
     }
 }

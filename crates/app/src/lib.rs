@@ -22,6 +22,7 @@ pub mod render;
 pub mod report;
 pub mod sample;
 pub mod show;
+pub mod smooth;
 pub mod study;
 pub mod sun;
 pub mod talk;

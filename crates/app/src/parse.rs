@@ -195,6 +195,27 @@ pub fn metres(text: &str) -> Result<f64, String> {
     })
 }
 
+/// `0.5` into a part of the picture's pixels.
+///
+/// # Errors
+///
+/// A sentence when it is not a number from 0.01 to 100.
+pub fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = text.trim().parse().ok().filter(|pixels| (0.01..=100.0).contains(pixels));
+    pixels.ok_or_else(|| format!("`{text}` is no number of pixels; write one from 0.01 to 100, such as 0.5"))
+}
+
+/// `40` into the angle above which an edge is sharp, degrees.
+///
+/// # Errors
+///
+/// A sentence when it is not a number from 0 to 180.
+pub fn crease_deg(text: &str) -> Result<f64, String> {
+    let degrees = text.trim().parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    degrees
+        .ok_or_else(|| format!("`{text}` is not an angle between two faces; write degrees from 0 to 180, such as 40"))
+}
+
 fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|n| n.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();

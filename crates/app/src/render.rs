@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail, ensure};
 use glam::{DVec3, Vec3};
 use image::ExtendedColorType::{L8, Rgba8};
 use umbrae_core::{Bounds, Camera, Caster, Extent, Finder, FinderKind, Light, Oracle, Scene, Sphere};
+use umbrae_formats::LoadOptions;
 use umbrae_render::{
     AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot,
     SilhouetteSource, compare,
@@ -23,6 +24,7 @@ use crate::report::{
     CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, SphereReport, Times, VerifyJson,
 };
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
+use crate::smooth::smooth_bodies;
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
@@ -54,7 +56,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, &args.load.options(), args.moment().as_ref(), talk)?;
+    let (mut scene, files) = load_all(&args.models, &load_options(args), args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let spheres = spheres(args, scene.origin);
     let model = spheres.iter().fold(scene.bounds(), |bounds, sphere| bounds.union(sphere.bounds()));
@@ -75,6 +77,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         talk.warning(&warning);
     }
 
+    if let Some(crease_rad) = args.shadows.crease_rad() {
+        scene.split_smooth_parts(crease_rad);
+    }
     let start = Instant::now();
     let mut casters = Caster::of_scene(&scene);
     times.topology = ms_since(start);
@@ -83,9 +88,19 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
+    let bodies = args.shadows.crease_rad().map(|crease_rad| {
+        let ground = ground.as_ref().map(|_| scene.objects.len() - 1);
+        smooth_bodies(&scene.objects, &mut casters, ground, crease_rad, talk)
+    });
     let mut gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
-    let moves = files.iter().any(|file| file.is_played);
+    let moves = files.iter().any(|file| file.is_played) && bodies.is_none();
+    gpu_scene.give_bodies(bodies.unwrap_or_default());
     let posing = args.posing.unwrap_or_else(|| best_posing(renderer.gpu(), moves));
+    let is_smooth = args.shadows.smooth;
+    ensure!(
+        !is_smooth || posing == Posing::Cpu,
+        "--posing gpu moves what --smooth has prepared; leave one of them out"
+    );
     if posing == Posing::Gpu {
         let mut poser = GpuPoser::new(renderer.gpu(), &scene.objects, &casters, &gpu_scene)?;
         pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;
@@ -167,6 +182,8 @@ impl Stage {
     ) -> anyhow::Result<ShowReport> {
         let subject = Subject {
             casters: &self.casters,
+            scene: &self.gpu_scene,
+            smooth: self.shadows.smooth,
             ground: self.casters.len().checked_sub(1).filter(|_| has_ground),
             camera: &self.camera,
             lights: &self.lights,
@@ -397,6 +414,11 @@ fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk
         talk.warning("--area-samples changes nothing: no light is a lamp");
     }
     as_points(lights, Area { samples, radius_m: args.area_radius }, model)
+}
+
+/// With normals, where something is to be smooth.
+fn load_options(args: &RenderArgs) -> LoadOptions {
+    LoadOptions { normals: args.shadows.smooth, ..args.load.options() }
 }
 
 /// The GPU, where something moves and it can.

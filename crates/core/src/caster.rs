@@ -23,6 +23,11 @@ pub struct Caster {
     pub bounds: Bounds,
     /// What it does in a picture.
     pub role: Role,
+    /// For each triangle the unit normals, scene space, of the surface that it stands for, at its corners: it is shaded as if it were curved.
+    /// Empty where all triangles are flat, as a new caster's are; a triangle with a zero among its three is flat too.
+    ///
+    /// This says how surfaces look and where their lit side ends; what casts is the triangles.
+    pub shading_normals: Vec<[Vec3; 3]>,
 }
 
 impl Caster {
@@ -35,13 +40,17 @@ impl Caster {
             positions: Vec::new(),
             bounds: Bounds::EMPTY,
             role: object.role,
+            shading_normals: Vec::new(),
         };
         caster.pose_to(object);
         caster
     }
 
     /// Moves the caster to where `object` is now, which must show the same mesh as the one that it was made of; takes no new memory.
+    ///
+    /// It is flat then, until it is given the normals of where it is.
     pub fn pose_to(&mut self, object: &Object) {
+        self.shading_normals.clear();
         self.positions.clear();
         // Adding +0 turns -0 into +0, as welding did.
         self.positions.extend(object.positions().map(|p| p.as_vec3() + Vec3::ZERO));
@@ -66,6 +75,12 @@ impl Caster {
     /// The smallest box that holds all `casters`; empty without any.
     pub fn bounds_of(casters: &[Self]) -> Bounds {
         casters.iter().fold(Bounds::EMPTY, |all, caster| all.union(caster.bounds))
+    }
+
+    /// The normals with which triangle `t` is shaded at its corners; `None` where it is flat.
+    pub fn shading_normals_of(&self, t: usize) -> Option<[Vec3; 3]> {
+        let is_given = |normal: &Vec3| normal.is_finite() && *normal != Vec3::ZERO;
+        self.shading_normals.get(t).filter(|normals| normals.iter().all(is_given)).copied()
     }
 
     /// Corner positions of triangle `t`.

@@ -38,6 +38,7 @@ mod scene;
 mod screen;
 pub mod shapes;
 mod silhouette;
+mod smooth;
 mod sphere;
 mod square;
 mod texture;
@@ -56,7 +57,7 @@ pub use disc::{SUN_DIAMETER_RAD, disc_sector, disc_segment, disc_share};
 pub use light::{Cone, Extent, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, SeenLight, Verdict};
-pub use overlap::{most_overlaps, needs_light_cap, split_chain};
+pub use overlap::{most_overlaps, most_stacked, needs_light_cap, split_chain};
 pub use penumbra::LightFace;
 pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
@@ -66,6 +67,9 @@ pub use scene::{AlphaMode, Material, NamedCamera, Object, Scene, SceneError, Sur
 pub use screen::PixelRect;
 pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
+};
+pub use smooth::{
+    NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals, given_normals,
 };
 pub use sphere::{Sphere, SphereVolume};
 pub use square::square_segment;

@@ -18,6 +18,9 @@ pub struct Surface {
     pub vertex_colors: Vec<Vec3>,
     /// Where the corners of each triangle are on its material's texture, (0, 0) the top left; empty means (0, 0) for all.
     pub corner_uvs: Vec<[Vec2; 3]>,
+    /// The direction in which the surface that the triangles stand for faces at the corners of each, object space, any length; zero
+    /// where a corner has none, and empty where none has. What is not finite counts as none.
+    pub corner_normals: Vec<[Vec3; 3]>,
     /// One for each position; vertices with different keys are not welded though their positions are equal, because something
     /// will move them apart. Empty means equal keys for all.
     pub weld_keys: Vec<u32>,
@@ -88,6 +91,8 @@ pub struct MeshCounts {
     pub vertices_read: usize,
     /// Triangles dropped because two of their corners are at bit-equal positions.
     pub degenerate_triangles: usize,
+    /// Corners of the kept triangles whose normal was not finite, so that they have none.
+    pub unusable_normals: usize,
 }
 
 /// A welded triangle mesh.
@@ -117,6 +122,7 @@ pub struct Mesh {
     triangle_materials: Vec<u32>,
     corner_colors: Vec<[Vec3; 3]>,
     corner_uvs: Vec<[Vec2; 3]>,
+    corner_normals: Vec<[Vec3; 3]>,
     source_vertices: Vec<u32>,
     counts: MeshCounts,
 }
@@ -131,7 +137,15 @@ impl Mesh {
     ///
     /// See [`MeshError`]; unused vertices are dropped unlooked at, so theirs may be anything.
     pub fn new(surface: Surface) -> Result<Self, MeshError> {
-        let Surface { positions, triangles, triangle_materials, vertex_colors, corner_uvs, weld_keys } = surface;
+        let Surface {
+            positions,
+            triangles,
+            triangle_materials,
+            vertex_colors,
+            corner_uvs,
+            mut corner_normals,
+            weld_keys,
+        } = surface;
         for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
             // A triangle index and a direction share 32 bits in `Topology`.
             if count >= (u32::MAX / 8) as usize {
@@ -142,6 +156,7 @@ impl Mesh {
         check_length("colours of vertices", vertex_colors.len(), positions.len())?;
 
         check_length("texture coordinates of triangles", corner_uvs.len(), triangles.len())?;
+        check_length("normals of triangles", corner_normals.len(), triangles.len())?;
         check_length("weld keys of vertices", weld_keys.len(), positions.len())?;
 
         let mut weld = Weld::new(&positions, &weld_keys);
@@ -149,6 +164,7 @@ impl Mesh {
         let mut kept_materials = Vec::with_capacity(triangles.len());
         let mut corner_colors = Vec::new();
         let mut kept_uvs = Vec::new();
+        let mut unusable_normals = 0;
         for (t, corners) in triangles.iter().enumerate() {
             let mut welded = [0; 3];
             for (to, &index) in welded.iter_mut().zip(corners) {
@@ -164,17 +180,27 @@ impl Mesh {
                 corner_colors.push(corners.map(|index| vertex_colors[index as usize]));
             }
             kept_uvs.extend(corner_uvs.get(t));
+            if let Some(&normals) = corner_normals.get(t) {
+                unusable_normals += normals.iter().filter(|normal| !normal.is_finite()).count();
+                // In place, since they are the largest of the lists.
+                corner_normals[kept.len() - 1] = normals.map(unit_or_zero);
+            }
         }
         let counts = MeshCounts {
             triangles_read: triangles.len(),
             vertices_read: positions.len(),
             degenerate_triangles: triangles.len() - kept.len(),
+            unusable_normals,
         };
         if kept.is_empty() {
             return Err(MeshError::NoTriangles {
                 read: counts.triangles_read,
                 degenerate: counts.degenerate_triangles,
             });
+        }
+        corner_normals.truncate(kept.len());
+        if corner_normals.iter().flatten().all(|&normal| normal == Vec3::ZERO) {
+            corner_normals = Vec::new();
         }
         let (positions, source_vertices) = weld.finish(&mut kept);
         Ok(Self {
@@ -183,6 +209,7 @@ impl Mesh {
             triangle_materials: kept_materials,
             corner_colors,
             corner_uvs: kept_uvs,
+            corner_normals,
             source_vertices,
             counts,
         })
@@ -213,6 +240,14 @@ impl Mesh {
         &self.corner_uvs
     }
 
+    /// For each triangle, the normals that the surface gave its corners: object space, each of unit length or zero, which says that
+    /// the corner has none. Empty when no corner has one.
+    ///
+    /// Corners at one position may have different ones: there the surface has a crease.
+    pub fn corner_normals(&self) -> &[[Vec3; 3]] {
+        &self.corner_normals
+    }
+
     /// For each of [`Mesh::positions`] the index of the first of the surface's positions that became it.
     pub fn source_vertices(&self) -> &[u32] {
         &self.source_vertices
@@ -239,8 +274,9 @@ impl Mesh {
             triangle_materials: kept.iter().map(|&t| self.triangle_materials[t]).collect(),
             corner_colors: kept.iter().filter_map(|&t| self.corner_colors.get(t).copied()).collect(),
             corner_uvs: kept.iter().filter_map(|&t| self.corner_uvs.get(t).copied()).collect(),
+            corner_normals: kept.iter().filter_map(|&t| self.corner_normals.get(t).copied()).collect(),
             source_vertices: vertices.iter().map(|&v| self.source_vertices[v as usize]).collect(),
-            counts: MeshCounts { triangles_read: kept.len(), vertices_read: vertices.len(), degenerate_triangles: 0 },
+            counts: MeshCounts { triangles_read: kept.len(), vertices_read: vertices.len(), ..MeshCounts::default() },
             triangles,
         };
         (part, vertices)
@@ -268,6 +304,14 @@ impl Mesh {
 
 fn check_length(what: &'static str, count: usize, expected: usize) -> Result<(), MeshError> {
     if count == 0 || count == expected { Ok(()) } else { Err(MeshError::WrongLength { what, count, expected }) }
+}
+
+/// `normal` with unit length; zero where it has no direction.
+fn unit_or_zero(normal: Vec3) -> Vec3 {
+    // In `f64` no length overflows, and none that is not 0 vanishes.
+    let unit = normal.as_dvec3().try_normalize().unwrap_or_default().as_vec3();
+    // Adding +0 turns -0 into +0, as for positions: equal normals are then bit-equal.
+    unit + Vec3::ZERO
 }
 
 /// Not yet looked at by [`Weld`].
@@ -391,6 +435,31 @@ mod tests {
             let error = Mesh::new(surface(&[[0.0; 3], [1.0, bad, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]));
             assert!(matches!(error, Err(MeshError::BadPosition { vertex: 1, .. })), "{bad}: {error:?}");
         }
+    }
+
+    #[test]
+    fn corners_that_weld_keep_normals_of_their_own_and_those_of_dropped_triangles_go() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let with_normals = |corner_normals: Vec<[Vec3; 3]>| {
+            let triangles = [[0, 1, 1], [0, 1, 2], [2, 1, 0]];
+            Mesh::new(Surface { corner_normals, ..surface(&corners, &triangles) })
+        };
+        let mesh = with_normals(vec![
+            [Vec3::NAN; 3],
+            [Vec3::new(0.0, 0.0, 1e-30), Vec3::ZERO, Vec3::new(4e30, -0.0, 0.0)],
+            [Vec3::NAN, Vec3::NEG_Y, Vec3::new(f32::INFINITY, 0.0, 0.0)],
+        ])
+        .expect("two triangles are good");
+        assert_eq!(mesh.corner_normals(), [[Vec3::Z, Vec3::ZERO, Vec3::X], [Vec3::ZERO, Vec3::NEG_Y, Vec3::ZERO]]);
+        assert_eq!((mesh.counts().unusable_normals, mesh.positions().len()), (2, 3));
+        assert!(mesh.corner_normals()[0][2].y.is_sign_positive(), "-0 is +0");
+        let (part, _) = mesh.part(|t| t == 1);
+        assert_eq!(part.corner_normals(), &mesh.corner_normals()[1..]);
+        assert_eq!(mesh.with_materials_after(3).corner_normals(), mesh.corner_normals());
+
+        assert!(with_normals(vec![[Vec3::ZERO; 3]; 3]).expect("good").corner_normals().is_empty());
+        let short = with_normals(vec![[Vec3::Z; 3]; 2]).expect_err("one is missing");
+        assert_eq!(short.to_string(), "2 normals of triangles were given for 3");
     }
 
     #[test]

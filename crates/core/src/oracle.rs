@@ -9,11 +9,12 @@
 //! that begins there. Where surfaces are as near to one another as depths are rounded, any of them may be drawn, and the
 //! edges of all of them count. Where only a triangle is in the way whose plane holds the light as far as `f32` can tell, it is
 //! not between them but beside them. Where a surface is cut out, its holes have borders, and so have a light's range
-//! and cone. Nothing here knows of silhouettes or volumes.
+//! and cone. A surface that is shaded as if it were curved (see [`Caster::shading_normals`]) ends to be lit where its shading says. Nothing here knows of silhouettes or volumes.
 
 mod border;
 mod coincident;
 mod cut_out;
+mod smooth;
 mod soft;
 mod spheres;
 
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 
 use self::border::reaches;
 use self::cut_out::{CutOuts, Presence};
+use self::smooth::{Shading, SmoothParts};
 use self::spheres::SeenSphere;
 use crate::{Camera, Caster, Hit, Light, LightPosition, Material, RayCaster, Sphere, Texture};
 
@@ -94,6 +96,7 @@ pub struct Oracle {
     /// What casts; `None` where that is just what is seen.
     casting: Option<RayCaster>,
     cut_outs: Option<CutOuts>,
+    smooth: Option<SmoothParts>,
     /// Seen and casting, rounded as they are drawn.
     spheres: Vec<Sphere>,
     /// The largest coordinate.
@@ -131,6 +134,7 @@ impl Oracle {
             seen: rays_of(is_seen),
             casting: (!is_one).then(|| rays_of(casts)),
             cut_outs: CutOuts::new(casters, materials, textures),
+            smooth: SmoothParts::new(casters),
             spheres: Vec::new(),
             scale,
             lift: LIFT * scale,
@@ -235,8 +239,13 @@ impl Oracle {
 
     fn sight_of(&self, eye: &Eye, direction: DVec3, hit: Hit) -> Sight {
         let Some(normal) = self.seen.normal(&hit).try_normalize() else { return Sight::Nothing };
-        let normal = if normal.dot(direction) < 0.0 { normal } else { -normal };
-        Sight::Surface(Seen { hit, point: eye.position + direction * hit.t, normal })
+        let is_turned = normal.dot(direction) >= 0.0;
+        let normal = if is_turned { -normal } else { normal };
+        let point = eye.position + direction * hit.t;
+        let shading = self.smooth.as_ref().and_then(|smooth| {
+            smooth.shading(&hit, self.seen.corners(&hit), [eye.position, point], is_turned, self.blur(eye, &hit))
+        });
+        Sight::Surface(Seen { hit, point, normal, shading })
     }
 
     fn presence(&self, eye: &Eye, direction: DVec3, hit: &Hit) -> Presence {
@@ -277,7 +286,9 @@ impl Oracle {
         if is_reached == Some(false) {
             return Some(Verdict::Dark);
         }
-        if !faces(seen.normal, to_light)? {
+        let faces_light =
+            seen.shading.map_or_else(|| faces(seen.normal, to_light), |shading| shading.faces(seen, light.position));
+        if !faces_light? {
             return Some(Verdict::Dark);
         }
         let is_shaded = self.spheres.iter().any(|sphere| sphere.shades(seen.point, light.position))
@@ -363,12 +374,14 @@ enum Sight {
     Unsure,
 }
 
-/// A visible point and the unit normal on its visible side.
+/// A visible point and the unit normal of its triangle on its visible side.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     hit: Hit,
     point: DVec3,
     normal: DVec3,
+    /// `None` where that is the normal that it is shaded with.
+    shading: Option<Shading>,
 }
 
 impl Sight {

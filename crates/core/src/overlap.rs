@@ -23,11 +23,13 @@
 //! Not in the papers. M. McGuire et al. 2003, section 4, names the limit (a staircase with the light at its top) and leaves it.
 
 mod columns;
+mod stacked;
 mod sweep;
 
 use glam::{DVec3, Vec3};
 
 use self::columns::Columns;
+pub use self::stacked::most_stacked;
 use self::sweep::Sweep;
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume};
@@ -84,11 +86,15 @@ pub fn needs_light_cap(caster: &Caster, light: LightPosition) -> bool {
 
 /// A direction from the light that all of the caster's box is strictly ahead in; `None` when the light is in the box.
 fn ahead(caster: &Caster, light: LightPosition) -> Option<DVec3> {
+    ahead_of(&caster.bounds, light)
+}
+
+fn ahead_of(bounds: &Bounds, light: LightPosition) -> Option<DVec3> {
     let position = light.homogeneous().truncate();
     if light.is_directional() {
         return Some(-position);
     }
-    let (below, above) = (caster.bounds.min - position, position - caster.bounds.max);
+    let (below, above) = (bounds.min - position, position - bounds.max);
     let beyond = below.max(above);
     // From as far outside as can be.
     let axis = beyond.max_position();

@@ -18,7 +18,7 @@ mod sweep;
 
 use std::f64::consts::TAU;
 
-use glam::{Affine3A, DVec2, DVec3, Vec3};
+use glam::{Affine3A, DVec2, DVec3, Vec2, Vec3};
 use rustc_hash::FxHashMap;
 
 pub use sweep::{cone, cylinder, loft, prism, revolution, strut, tube};
@@ -174,7 +174,7 @@ pub fn sheet(corner: Vec3, edge_u: Vec3, edge_v: Vec3, cells: [u32; 2]) -> Surfa
 
 /// Adds `other` to `surface`; vertices at equal positions stay apart until a [`crate::Mesh`] welds them.
 ///
-/// Materials and colours that only one of the two has are completed with material 0 and white.
+/// What only one of the two has is completed: materials with 0, colours with white, texture coordinates with (0, 0), and normals with none.
 pub fn append(surface: &mut Surface, other: &Surface) {
     let first = surface.positions.len() as u32;
     complete(
@@ -191,6 +191,9 @@ pub fn append(surface: &mut Surface, other: &Surface) {
         other.positions.len(),
         Vec3::ONE,
     );
+    let triangles = [surface.triangles.len(), other.triangles.len()];
+    complete(&mut surface.corner_uvs, triangles[0], &other.corner_uvs, triangles[1], [Vec2::ZERO; 3]);
+    complete(&mut surface.corner_normals, triangles[0], &other.corner_normals, triangles[1], [Vec3::ZERO; 3]);
     surface.positions.extend_from_slice(&other.positions);
     surface.triangles.extend(other.triangles.iter().map(|t| t.map(|i| first + i)));
 }
@@ -214,15 +217,20 @@ pub fn joined(parts: impl IntoIterator<Item = Surface>) -> Surface {
     all
 }
 
-/// `surface`, moved; a transform that mirrors also turns the triangles, so that outside stays outside.
+/// `surface`, moved; a transform that mirrors also turns the triangles, so that outside stays outside. Of one that flattens, no normals are left.
 pub fn transformed(mut surface: Surface, to_from_surface: Affine3A) -> Surface {
+    // Normals stay across their surface, whatever happens to lengths along it.
+    let normals_from_normals = to_from_surface.matrix3.inverse().transpose();
+    for normal in surface.corner_normals.as_flattened_mut() {
+        *normal = normals_from_normals * *normal;
+    }
     for position in &mut surface.positions {
         *position = to_from_surface.transform_point3(*position);
     }
     if to_from_surface.matrix3.determinant() < 0.0 {
-        for triangle in &mut surface.triangles {
-            triangle.swap(1, 2);
-        }
+        surface.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        surface.corner_uvs.iter_mut().for_each(|corners| corners.swap(1, 2));
+        surface.corner_normals.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
     surface
 }

@@ -115,6 +115,12 @@ impl Topology {
         &self.edges
     }
 
+    /// The index of the edge between vertices `a` and `b`, in either order; by bisection.
+    pub fn edge_between(&self, a: u32, b: u32) -> Option<usize> {
+        let (low, high) = (a.min(b), a.max(b));
+        self.edges.binary_search_by_key(&(low, high), |edge| (edge.low, edge.high)).ok()
+    }
+
     /// The triangles on edge `e` in ascending order, each with +1 where it walks the edge from `low` to `high`,
     /// else -1.
     pub fn triangles_on_edge(&self, e: usize) -> impl ExactSizeIterator<Item = (usize, i32)> + '_ {

@@ -29,6 +29,9 @@ pub struct LoadOptions {
     pub base_field: Option<String>,
     /// How many samples of a terrain in a row and column become one, at least 1; `None` is 1.
     pub terrain_step: Option<u32>,
+    /// Whether to read the normals of vertices into [`umbrae_core::Mesh::corner_normals`], from glTF, OBJ and PLY (those of STL are flat by
+    /// nature). Only smooth shading and smooth silhouettes need them, and they take more memory than the rest of a mesh.
+    pub normals: bool,
 }
 
 /// What every reader is given besides the bytes.

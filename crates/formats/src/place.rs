@@ -10,6 +10,10 @@ use crate::UpAxis;
 use crate::error::Problem;
 use crate::warnings::{Warnings, Words};
 
+/// What is said of normals that a mesh was given and could not use.
+pub(crate) const NORMAL_LEFT_OUT: Words =
+    ["corner's normal is not finite and was left out", "corners' normals are not finite and were left out"];
+
 /// What is said when one of several objects can't be used.
 pub(crate) const OBJECT_SKIPPED: Words = ["object was skipped", "objects were skipped"];
 
@@ -23,6 +27,8 @@ pub(crate) struct Part {
     pub(crate) triangle_materials: Vec<u32>,
     pub(crate) vertex_colors: Vec<Vec3>,
     pub(crate) corner_uvs: Vec<[Vec2; 3]>,
+    /// In the file's axes.
+    pub(crate) corner_normals: Vec<[Vec3; 3]>,
 }
 
 impl UpAxis {
@@ -39,6 +45,14 @@ impl UpAxis {
         match self {
             Self::Y => DVec3::new(p.x, -p.z, p.y),
             Self::Z => p,
+        }
+    }
+
+    /// The same for a direction in `f32`.
+    fn direction_in_scene(self, d: Vec3) -> Vec3 {
+        match self {
+            Self::Y => Vec3::new(d.x, -d.z, d.y),
+            Self::Z => d,
         }
     }
 }
@@ -105,16 +119,21 @@ pub(crate) fn scene_of_parts(
     let mut objects = Vec::new();
     let mut first_problem = None;
     for (index, mut part) in parts.into_iter().enumerate() {
+        for normal in part.corner_normals.as_flattened_mut() {
+            *normal = up.direction_in_scene(*normal);
+        }
         let surface = Surface {
             positions: part.positions.iter().map(|&p| (up.point_in_scene(p) - origin).as_vec3()).collect(),
             triangles: mem::take(&mut part.triangles),
             triangle_materials: mem::take(&mut part.triangle_materials),
             vertex_colors: mem::take(&mut part.vertex_colors),
             corner_uvs: mem::take(&mut part.corner_uvs),
+            corner_normals: mem::take(&mut part.corner_normals),
             ..Surface::default()
         };
         match Mesh::new(surface) {
             Ok(mesh) => {
+                warnings.add(mesh.counts().unusable_normals, NORMAL_LEFT_OUT);
                 objects.push(Object::new(part.name, Arc::new(mesh), DAffine3::IDENTITY));
             }
             Err(error) => {
@@ -165,6 +184,7 @@ mod tests {
         for up in [UpAxis::Y, UpAxis::Z] {
             let p = DVec3::new(1.0, 2.0, 3.0);
             assert_eq!(up.scene_from_file() * p, up.point_in_scene(p));
+            assert_eq!(up.direction_in_scene(p.as_vec3()).as_dvec3(), up.point_in_scene(p));
             assert_eq!(up.scene_from_file().determinant(), 1.0, "turned, not mirrored");
         }
     }

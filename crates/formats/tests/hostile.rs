@@ -65,7 +65,8 @@ impl Random {
 
 fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
     let start = Instant::now();
-    let result = load_bytes(bytes, format, "hostile", folder, &LoadOptions::default());
+    let options = LoadOptions { normals: true, ..LoadOptions::default() };
+    let result = load_bytes(bytes, format, "hostile", folder, &options);
     assert!(start.elapsed() < PATIENCE, "it took {:?}", start.elapsed());
     result
 }

@@ -40,7 +40,7 @@ fn peak_bytes(bytes: &[u8], format: Format) -> usize {
     // Forgets the peak so far. Where that is not allowed, what making the file took counts too.
     let _ = fs::write("/proc/self/clear_refs", "5");
     let before = status("VmRSS:");
-    let _ = load_bytes(bytes, format, "hostile", None, &LoadOptions::default());
+    let _ = load_bytes(bytes, format, "hostile", None, &LoadOptions { normals: true, ..LoadOptions::default() });
     status("VmHWM:").saturating_sub(before)
 }
 
@@ -129,7 +129,7 @@ const THREE: &str = "v 1 2 3\nv 2 3 4\nv 1 1 1\n";
 /// A name, a format and how to make the bytes.
 type Case = (&'static str, Format, fn() -> Vec<u8>);
 
-const CASES: [Case; 34] = [
+const CASES: [Case; 36] = [
     ("a million samples of terrain", Format::GeoTiff, || terrain(1000)),
     ("vertices of a city", Format::CityJson, || city(&format!(r#""vertices":[{}]"#, list("[0,0,0]", 400_000)))),
     ("city objects of nothing", Format::CityJson, || {
@@ -220,6 +220,15 @@ const CASES: [Case; 34] = [
     ("text that is no JSON", Format::Gltf, || vec![b'['; 3_000_000]),
     ("vertices of nothing", Format::Obj, || obj("", "v\n", 2_000_000)),
     ("faces of three vertices", Format::Obj, || obj(THREE, "f 1 2 3\n", 400_000)),
+    ("faces of which one names a normal", Format::Obj, || {
+        obj("v 1 2 3\nv 2 3 4\nv 1 1 1\nvn 0 0 1\nf 1//1 2 3\n", "f 1 2 3\n", 400_000)
+    }),
+    ("normals of zeros for a strip of zeros", Format::Gltf, || {
+        gltf(
+            r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":0},"indices":1,"mode":5}]}],
+            "accessors":[{"componentType":5126,"type":"VEC3","count":10},{"componentType":5125,"type":"SCALAR","count":200000}]"#,
+        )
+    }),
     ("a face of one vertex", Format::Obj, || obj("v 0 0 0\nf", " 1", 1_500_000)),
     ("objects of one face", Format::Obj, || obj(THREE, "o\nf 1 2 3\n", 300_000)),
     ("announced facets", Format::Stl, || [[0; 80].as_slice(), &[0xff; 4], &[0; 300]].concat()),

@@ -182,6 +182,9 @@ impl GpuPoser {
     /// Moves to where `objects` are all that is not there: in `scene`, and in `casters`. The first time that is all; so it is the GPU's
     /// rounding that decides where things are, from then on.
     ///
+    /// What has moved is flat then. For smooth surfaces give its caster the [normals](Caster::shading_normals) of where it is, and
+    /// [`GpuScene::update`] the scene.
+    ///
     /// # Errors
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
@@ -206,6 +209,7 @@ impl GpuPoser {
         let mut vertices = bytes.chunks_exact(VERTEX_SIZE).map(bytemuck::pod_read_unaligned::<[f32; 4]>);
         for &i in &moved {
             let caster = &mut casters[i];
+            caster.shading_normals.clear();
             for (position, [x, y, z, _]) in caster.positions.iter_mut().zip(vertices.by_ref()) {
                 *position = Vec3::new(x, y, z);
             }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
-use umbrae_core::{Caster, Finder, Material, Role, Texture};
+use umbrae_core::{Caster, Finder, Material, Role, SmoothBody, Texture};
 use wgpu::util::DeviceExt as _;
 
 use crate::gpu_finishes::{Finish, FinishKind, Finishes};
@@ -19,6 +19,7 @@ use crate::{Gpu, GpuError, ShadowCasters};
 pub(crate) struct SurfaceVertex {
     position_world: [f32; 3],
     normal_world: [f32; 3],
+    /// And [`FLAT`] or [`SMOOTH`].
     color_srgb: [u8; 4],
     uv: [f32; 2],
 }
@@ -31,10 +32,24 @@ impl SurfaceVertex {
     };
 }
 
+/// The fourth byte of a vertex's colour where its triangle is shaded with its own normal.
+const FLAT: u8 = 255;
+/// The same where it is shaded with the normals of its corners, in [`GpuScene::shading_normals`].
+const SMOOTH: u8 = 0;
+
+/// A vertex's normal in [`GpuScene::shading_normals`].
+pub(crate) const SHADING_NORMAL_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<Vec3>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![4 => Float32x3],
+};
+
 /// A scene on the device: its surfaces, all casters in one buffer by finish, and its volumes.
 #[derive(Debug)]
 pub struct GpuScene {
     pub(crate) surface: wgpu::Buffer,
+    /// One for each vertex of `surface`; `None` where all is flat.
+    shading_normals: Option<wgpu::Buffer>,
     /// Vertices that are drawn with one finish, and its number; without glass, kind by kind.
     pub(crate) draws: Vec<(Range<u32>, u32)>,
     pub(crate) finishes: Vec<Finish>,
@@ -55,7 +70,8 @@ pub(crate) struct GlassTriangle {
 }
 
 impl GpuScene {
-    /// Uploads `casters`, which name `materials`, which name `textures`. About 108 bytes a triangle and 32 a vertex, and 5.3 a texel.
+    /// Uploads `casters`, which name `materials`, which name `textures`. About 108 bytes a triangle and 32 a vertex, and 5.3 a texel; 36 more a
+    /// triangle if any caster has [normals to be shaded with](Caster::shading_normals).
     ///
     /// A caster's role says whether it is glass, and whether its materials' cut-outs are (see [`umbrae_core::Scene::assign_roles`]): it is drawn as
     /// it casts. A texture with more texels a side than the device has is drawn as a smaller copy.
@@ -96,8 +112,10 @@ impl GpuScene {
             contents: bytemuck::cast_slice(&words),
             usage: gpu.caps.moving_vertices(),
         });
+        let shading_normals = shading_normals(casters, &order).map(|normals| upload_shading_normals(gpu, &normals));
         gpu.unless_out_of_memory(Ok(Self {
             surface,
+            shading_normals,
             draws,
             finishes,
             glass,
@@ -120,12 +138,37 @@ impl GpuScene {
         }
     }
 
+    /// Has caster `i` cast the shadow of `bodies[i]`, made of it as it is, where there is one and [`crate::ShadowOptions::smooth`] asks for that.
+    ///
+    /// # Panics
+    ///
+    /// If there are more bodies than casters.
+    pub fn give_bodies(&mut self, bodies: Vec<Option<SmoothBody>>) {
+        for (i, body) in bodies.into_iter().enumerate() {
+            if let Some(body) = body {
+                self.shadow_casters.give_body(i, body);
+            }
+        }
+    }
+
+    /// The smooth body that caster `i` was given and stands for where it is now.
+    pub fn body(&self, i: usize) -> Option<&SmoothBody> {
+        self.shadow_casters.body(i)
+    }
+
     /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.
     pub(crate) fn surface_words(&self, casters: &[Caster], materials: &[Material]) -> Vec<u32> {
         bytemuck::cast_slice(&surface_vertices(casters, materials, &self.order).0).to_vec()
     }
 
-    /// Uploads again where `casters` are; they must be those that this was made of, moved, and `materials` the same. As much as
+    /// Has `pass` read the vertices of surfaces.
+    pub(crate) fn set_vertices(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.surface.slice(..));
+        // Where all is flat nobody looks at what is read there, and any buffer will do that is long enough.
+        pass.set_vertex_buffer(1, self.shading_normals.as_ref().unwrap_or(&self.surface).slice(..));
+    }
+
+    /// Uploads again where `casters` are, and the normals that they are shaded with; they must be those that this was made of, moved, and `materials` the same. As much as
     /// [`GpuScene::new`] uploads, but for textures.
     pub fn update(&mut self, gpu: &Gpu, casters: &[Caster], materials: &[Material]) {
         let (surface, _) = surface_vertices(casters, materials, &self.order);
@@ -133,6 +176,12 @@ impl GpuScene {
             *glass = glass_triangle(&surface, glass.first_vertex / 3, glass.finish);
         }
         gpu.queue.write_buffer(&self.surface, 0, bytemuck::cast_slice(&surface));
+        if let Some(normals) = shading_normals(casters, &self.order) {
+            match &self.shading_normals {
+                Some(buffer) => gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&normals)),
+                None => self.shading_normals = Some(upload_shading_normals(gpu, &normals)),
+            }
+        }
         self.shadow_casters.update(gpu, casters);
     }
 }
@@ -202,7 +251,7 @@ fn surface_vertices(
     materials: &[Material],
     order: &SurfaceOrder,
 ) -> (Vec<SurfaceVertex>, Vec<Range<u32>>) {
-    let plain: Vec<[u8; 4]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
+    let plain: Vec<[u8; 3]> = materials.iter().map(|m| srgb_from_linear(m.base_color)).collect();
     let triangles: usize = casters.iter().map(|caster| caster.mesh.triangles().len()).sum();
     let mut vertices = vec![SurfaceVertex::zeroed(); triangles * 3];
     let ranges = order.for_each_triangle(casters, |c, t, place| {
@@ -212,25 +261,47 @@ fn surface_vertices(
     (vertices, ranges)
 }
 
+/// For each vertex of [`surface_vertices`] the normal with which it is shaded, anything where its triangle is flat; `None` if all are.
+fn shading_normals(casters: &[Caster], order: &SurfaceOrder) -> Option<Vec<[Vec3; 3]>> {
+    if casters.iter().all(|caster| caster.shading_normals.is_empty()) {
+        return None;
+    }
+    let triangles = casters.iter().map(|caster| caster.mesh.triangles().len()).sum();
+    let mut normals = vec![[Vec3::ZERO; 3]; triangles];
+    order.for_each_triangle(casters, |c, t, place| {
+        normals[place as usize] = casters[c].shading_normals_of(t).unwrap_or_default();
+    });
+    Some(normals)
+}
+
+fn upload_shading_normals(gpu: &Gpu, normals: &[[Vec3; 3]]) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("shading normals"),
+        contents: bytemuck::cast_slice(normals),
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
 /// `plain` has each material's colour as a vertex without one of its own has it.
-fn corner_vertices(caster: &Caster, t: usize, materials: &[Material], plain: &[[u8; 4]]) -> [SurfaceVertex; 3] {
+fn corner_vertices(caster: &Caster, t: usize, materials: &[Material], plain: &[[u8; 3]]) -> [SurfaceVertex; 3] {
     let mesh = &caster.mesh;
     let material = mesh.triangle_materials()[t] as usize;
     let corners = caster.corners(t);
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let normal_world = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
     let colors = match mesh.corner_colors().get(t) {
-        None => [plain.get(material).copied().unwrap_or([255; 4]); 3],
+        None => [plain.get(material).copied().unwrap_or([255; 3]); 3],
         Some(colors) => {
             let base = materials.get(material).map_or(Vec3::ONE, |m| m.base_color);
             colors.map(|color| srgb_from_linear(base * color))
         }
     };
     let uvs = mesh.corner_uvs().get(t).copied().unwrap_or([Vec2::ZERO; 3]);
+    let flatness = if caster.shading_normals_of(t).is_some() { SMOOTH } else { FLAT };
     std::array::from_fn(|i| SurfaceVertex {
         position_world: corners[i].to_array(),
         normal_world,
-        color_srgb: colors[i],
+        color_srgb: [colors[i][0], colors[i][1], colors[i][2], flatness],
         uv: uvs[i].to_array(),
     })
 }
@@ -246,9 +317,8 @@ pub(crate) fn middle(corners: [Vec3; 3]) -> Vec3 {
     corners.iter().map(|corner| corner / 3.0).sum()
 }
 
-fn srgb_from_linear(linear: Vec3) -> [u8; 4] {
-    let [red, green, blue] = linear.to_array().map(srgb_byte);
-    [red, green, blue, 255]
+fn srgb_from_linear(linear: Vec3) -> [u8; 3] {
+    linear.to_array().map(srgb_byte)
 }
 
 /// The sRGB encoding of a linear value; what is outside of 0 to 1 becomes the nearest of these.

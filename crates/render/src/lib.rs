@@ -38,10 +38,10 @@ pub use gpu_scene::GpuScene;
 pub use look::Look;
 pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
-pub use renderer::{Mask, Picture, Renderer, Shot, Visibility};
+pub use renderer::{Mask, Picture, PreparedShadows, Renderer, Shot, Visibility};
 pub use shadow::{
     CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, LIT, LightMark, LightReport, Method, ShadowCasters,
-    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Why,
+    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Smooth, Why,
 };
 pub use targets::{Output, Targets};
 pub use texture_displacer::TextureDisplacer;

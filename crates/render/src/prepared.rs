@@ -7,7 +7,7 @@ use umbrae_core::{Extent, Light};
 use crate::frame::{FrameLight, Passes, Shadowing};
 use crate::shadow::ShadowView;
 use crate::soft::{SoftLight, SoftPass};
-use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, SilhouetteSource, Targets};
+use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, SilhouetteSource, Smooth, Targets};
 
 /// What finds the silhouettes of one scene on the GPU, made when it is first asked for, and kept.
 #[derive(Debug, Default)]
@@ -55,7 +55,8 @@ impl<'a> PreparedLights<'a> {
         let lights = lights.iter().filter(|light| !is_soft(light));
         let shadows = &passes.shadows;
         let source = options.silhouettes;
-        if matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
+        let is_smooth = options.smooth != Smooth::Off;
+        if is_smooth || matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
             let own = lights.map(|light| shadows.light(gpu, casters, uploaded, view, light, options));
             return Ok(Self { soft, hard: HardLights::Own(own.collect::<Result<_, _>>()?) });
         }

@@ -9,7 +9,7 @@ use crate::passes::{
     GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
 };
 use crate::prepared::PreparedLights;
-use crate::shadow::{ShadowLight, ShadowTarget, Shadows, Tally, TallyKind};
+use crate::shadow::{ShadowLight, ShadowTarget, ShadowView, Shadows, Tally, TallyKind};
 use crate::soft::SoftLightPass;
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
@@ -65,6 +65,20 @@ impl<'a> Shot<'a> {
             look: &Look::NONE,
             overlay: None,
         }
+    }
+}
+
+/// The shadows of a shot, ready to be drawn as often as one likes.
+#[derive(Debug)]
+pub struct PreparedShadows<'a> {
+    view: ShadowView,
+    lights: PreparedLights<'a>,
+}
+
+impl PreparedShadows<'_> {
+    /// What is drawn of each light.
+    pub fn reports(self) -> Vec<LightReport> {
+        self.lights.reports()
     }
 }
 
@@ -154,10 +168,11 @@ impl Renderer {
 
         let mut timer = PassTimer::off();
         let mut encoder = self.encoder("picture");
-        let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer, true)?;
+        let prepared = self.prepare(shot)?;
+        self.record(shot, &prepared, &targets, &to, &mut encoder, &mut timer, true)?;
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
-        let lights = lights.reports();
+        let lights = prepared.reports();
 
         let rgba = self.gpu.read(&finished).await?;
         let passes = timer.read(&self.gpu, times).await?;
@@ -178,25 +193,55 @@ impl Renderer {
         targets: &Targets,
         to: &wgpu::TextureView,
     ) -> Result<Vec<LightReport>, GpuError> {
+        let prepared = self.prepare(shot)?;
+        self.draw_prepared(shot, &prepared, targets, to)?;
+        Ok(prepared.reports())
+    }
+
+    /// Finds silhouettes and volumes for the lights of `shot` and uploads them: for [`Renderer::draw_prepared`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::draw`].
+    pub fn prepare<'a>(&self, shot: &Shot<'a>) -> Result<PreparedShadows<'a>, GpuError> {
+        let view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+        let lights = PreparedLights::new(&self.gpu, &self.picture, shot, &view, shot.lights)?;
+        Ok(PreparedShadows { view, lights })
+    }
+
+    /// As [`Renderer::draw`], with what was `prepared` for a shot of the same casters, spheres, camera and lights, with the same options: frame after frame in
+    /// which none of them changes, nothing is found anew.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::draw`].
+    pub fn draw_prepared(
+        &self,
+        shot: &Shot<'_>,
+        prepared: &PreparedShadows<'_>,
+        targets: &Targets,
+        to: &wgpu::TextureView,
+    ) -> Result<(), GpuError> {
         let mut encoder = self.encoder("frame");
-        let lights = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off(), false)?;
+        self.record(shot, prepared, targets, to, &mut encoder, &mut PassTimer::off(), false)?;
         self.gpu.queue.submit([encoder.finish()]);
-        Ok(lights.reports())
+        Ok(())
     }
 
     /// What was prepared must be kept until `encoder` is submitted.
-    fn record<'a>(
+    #[expect(clippy::too_many_arguments, reason = "two callers; a struct would only repeat the names")]
+    fn record(
         &self,
-        shot: &Shot<'a>,
+        shot: &Shot<'_>,
+        prepared: &PreparedShadows<'_>,
         targets: &Targets,
         to: &wgpu::TextureView,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
         is_timed: bool,
-    ) -> Result<PreparedLights<'a>, GpuError> {
-        let shadow_view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
+    ) -> Result<(), GpuError> {
+        let PreparedShadows { view: shadow_view, lights: prepared } = prepared;
         let spheres = self.picture.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let prepared = PreparedLights::new(&self.gpu, &self.picture, shot, &shadow_view, shot.lights)?;
         let lights = prepared.for_frame(&self.gpu, shot.lights, targets)?;
         if is_timed {
             *timer = PassTimer::new(&self.gpu, frame::pass_count(&lights));
@@ -211,7 +256,6 @@ impl Renderer {
         let glass = glass.as_ref().map(|glass| (&self.glass, glass));
         let overlay = shot.overlay.map(|overlay| self.upload_overlay(overlay, shot.camera)).transpose()?;
         let overlay = overlay.as_ref().map(|overlay| (&self.overlay, overlay));
-        let shadow_view = &shadow_view;
         let spheres = &spheres;
         let frame = Frame {
             targets,
@@ -227,7 +271,7 @@ impl Renderer {
         frame::record(&self.gpu, &self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
-        Ok(prepared)
+        Ok(())
     }
 
     /// Draws the verdict of one light of `shot` at each pixel's centre.

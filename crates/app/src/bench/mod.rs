@@ -5,6 +5,7 @@
 //!   report   the table and the JSON                     on_gpu   and on the GPU
 //!   memory   the most that this process has used        growth   of times with triangles
 //!   finer    a model of more triangles                  plot     a picture of that
+//!   smooth   frames with smooth silhouettes
 //! ```
 
 mod finer;
@@ -15,6 +16,7 @@ mod on_cpu;
 mod on_gpu;
 mod plot;
 mod report;
+mod smooth;
 
 use std::path::Path;
 
@@ -42,6 +44,7 @@ pub fn run(what: &BenchCommand, talk: &Talk) -> anyhow::Result<()> {
             Some(plot) => growth::run(args, plot, talk),
             None => silhouettes(args, talk),
         },
+        BenchCommand::Smooth(args) => smooth::run(args, talk),
     }
 }
 

@@ -5,12 +5,58 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::LoadArgs;
+use crate::parse::{crease_deg, metres, picture_size};
 
 /// What to measure.
 #[derive(Debug, Subcommand)]
 pub enum BenchCommand {
     /// How long each way of finding silhouettes takes
     Silhouettes(SilhouettesArgs),
+    /// What smooth silhouettes cost in a frame
+    Smooth(SmoothArgs),
+}
+
+/// What smooth silhouettes cost in a frame
+///
+/// Frames of a model on the ground under a sun that goes on by 0.7 degrees each time, with the silhouettes of its triangles (discrete), those of its normals on the mesh
+/// (accurate) and those of the smooth surface (smooth), in turns: by the clock, until the GPU has finished, medians. Each frame is drawn twice: once with silhouettes
+/// found for its sun, and once more with these kept. Ratios are medians over pairs of frames under the same sun.
+#[derive(Debug, Args)]
+pub struct SmoothArgs {
+    /// Models, each measured alone: .glb .gltf .obj .ply .ply.gz .stl
+    #[arg(required = true, value_name = "MODEL")]
+    pub models: Vec<PathBuf>,
+
+    /// Print JSON: one object, or with several models an array of them; each `{"model", "adapter", "triangles", "size_px", "epsilon_m", "prepare_ms", "kinds":
+    /// [{"name", "frame_ms", "kept_ms", "cpu_ms", "pieces", "frame_ratio", "kept_ratio"}]}`
+    #[arg(long)]
+    pub json: bool,
+
+    /// How many frames of each kind
+    #[arg(
+        long,
+        value_name = "COUNT",
+        default_value = "15",
+        value_parser = clap::value_parser!(u32).range(1..=10_000),
+        allow_hyphen_values = true
+    )]
+    pub frames: u32,
+
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1024x768", value_parser = picture_size)]
+    pub size: [u32; 2],
+
+    /// How far a smooth silhouette may be from its curve, in metres
+    #[arg(long, value_name = "M", default_value = "0.01", value_parser = metres, allow_hyphen_values = true)]
+    pub epsilon: f64,
+
+    /// Edges that bend by more than this stay sharp, in degrees
+    #[arg(long, value_name = "DEG", default_value = "40", value_parser = crease_deg, allow_hyphen_values = true)]
+    pub crease: f64,
+
+    /// How models are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
 }
 
 /// How long each way of finding silhouettes takes

@@ -58,6 +58,7 @@ impl LoadArgs {
             height_field: self.height_field.clone(),
             base_field: self.base_field.clone(),
             terrain_step: self.terrain_step,
+            normals: false,
         }
     }
 }

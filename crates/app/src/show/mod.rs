@@ -6,6 +6,7 @@
 mod bounds;
 pub(crate) mod canvas;
 mod cases;
+mod contours;
 mod edges;
 mod heat;
 mod layout;
@@ -16,11 +17,11 @@ mod outlines;
 pub(crate) mod text;
 mod volumes;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 use umbrae_core::{Camera, Caster, Light, RayCaster};
-use umbrae_render::{LightReport, Overlay};
+use umbrae_render::{GpuScene, LightReport, Overlay, Smooth};
 
 use canvas::Canvas;
 use legend::Legend;
@@ -42,6 +43,8 @@ pub enum Mode {
     Bounds,
     /// How many fragments of shadow volumes were rasterised in each pixel
     Fill,
+    /// With --smooth: the outlines of triangles, of normals on the mesh, and of the smooth surface, in three colours
+    Contours,
 }
 
 /// What there is to show; all borrowed.
@@ -49,6 +52,10 @@ pub enum Mode {
 pub struct Subject<'a> {
     /// Everything that is drawn.
     pub casters: &'a [Caster],
+    /// The casters, uploaded, and which of them are smooth.
+    pub scene: &'a GpuScene,
+    /// How smooth.
+    pub smooth: Smooth,
     /// The index of the ground plane, which is no part of the model.
     pub ground: Option<usize>,
     /// The eye.
@@ -117,10 +124,13 @@ impl<'a> Show<'a> {
     ///
     /// When no light has that name.
     pub fn new(mode: Mode, subject: Subject<'a>, light_name: Option<&str>) -> anyhow::Result<Self> {
+        let is_smooth = subject.smooth != Smooth::Off;
+        ensure!(is_smooth || mode != Mode::Contours, "--show contours shows what --smooth makes; add --smooth");
         let lights = shown_lights(mode, subject.lights, light_name)?;
         let (overlay, legend) = match (mode, lights.first()) {
             (Mode::Volumes, _) => some_first(volumes::volumes(&subject, &lights)),
             (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &lights)),
+            (Mode::Contours, _) => some_first(contours::contours(&subject, subject.scene, subject.smooth, &lights)),
             (Mode::Topology, _) => some_first(edges::topology(&subject)),
             (Mode::Cases, Some(&light)) => some_first(cases::cases(&subject, light)),
             (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject, light)), Legend::default()),
@@ -153,7 +163,7 @@ impl<'a> Show<'a> {
                 (Numbers::None, _) => {}
             }
         }
-        if matches!(self.mode, Mode::Volumes | Mode::Silhouettes | Mode::Cases | Mode::Bounds) {
+        if matches!(self.mode, Mode::Volumes | Mode::Silhouettes | Mode::Contours | Mode::Cases | Mode::Bounds) {
             for &light in &self.lights {
                 marks::draw_light(&mut canvas, self.subject.camera, &lights[light]);
             }
@@ -187,7 +197,7 @@ fn shown_lights(mode: Mode, lights: &[Light], name: Option<&str>) -> anyhow::Res
     let Some(name) = name else {
         let most = match mode {
             Mode::Volumes | Mode::Silhouettes => MOST_LIGHTS,
-            Mode::Cases | Mode::Counts | Mode::Bounds => 1,
+            Mode::Cases | Mode::Counts | Mode::Bounds | Mode::Contours => 1,
             Mode::Fill => lights.len(),
             Mode::Topology => 0,
         };

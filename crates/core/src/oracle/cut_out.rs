@@ -105,7 +105,7 @@ impl AlphaMask {
 }
 
 /// How much each corner counts at a point in the plane of a triangle; adds up to 1.
-fn weights_at(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+pub(super) fn weights_at(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let normal = (b - a).cross(c - a);
     let of = |p: DVec3, q: DVec3| (p - point).cross(q - point).dot(normal);
     let weights = DVec3::new(of(b, c), of(c, a), of(a, b));

@@ -17,6 +17,7 @@ use crate::{Caster, LightPosition};
 use super::dual::{self, Ends};
 use super::edges::Edges;
 use super::faces::Faces;
+use super::facing::Facing;
 use super::hierarchy::{Open, Trees};
 
 /// Finds edges of one caster across which its vertex normals turn away from a light.
@@ -49,6 +50,15 @@ impl NormalFinder {
     pub fn find(&self, light: LightPosition, found: &mut Vec<[u32; 2]>) -> usize {
         found.clear();
         self.trees.find(&self.tangents.framed(light), &mut Open::default(), found)
+    }
+
+    /// Writes to `turned`, for each vertex, 1 where it is turned to `light`, else 0; after them come zeros to the next multiple of 64. By the same
+    /// arithmetic as [`NormalFinder::find`], 16 vertices or so at once.
+    pub fn turned(&self, light: LightPosition, turned: &mut Vec<i8>) {
+        let mut facing = Facing::default();
+        facing.tell(&self.tangents, &self.tangents.framed(light));
+        turned.clear();
+        turned.extend_from_slice(facing.coefficients());
     }
 }
 

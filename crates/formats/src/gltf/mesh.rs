@@ -16,17 +16,18 @@ use crate::warnings::{Warnings, Words};
 pub(super) struct Materials<'a>(pub(super) &'a [Option<UvSource>]);
 
 /// The surface of `mesh`, without triangles if none of its primitives has any, and what moves its vertices: morph targets, and if
-/// `has_skin` joints.
+/// `has_skin` joints. Its normals, if someone `wants_normals`, are those of the mesh at rest.
 ///
 /// What is wrong is said in words that fit after "mesh 3: ".
 pub(super) fn surface(
     mesh: &Mesh,
     has_skin: bool,
+    wants_normals: bool,
     accessors: &Accessors<'_>,
     materials: Materials<'_>,
     warnings: &mut Warnings,
 ) -> Result<(Surface, Deformation), String> {
-    let mut merged = Merged::default();
+    let mut merged = Merged { wants_normals, ..Merged::default() };
     for (index, primitive) in mesh.primitives.iter().enumerate() {
         if let Some(words) = skipped_mode(primitive.mode) {
             warnings.add(1, words);
@@ -36,7 +37,12 @@ pub(super) fn surface(
             .add((index, primitive), has_skin, accessors, materials, warnings)
             .map_err(|message| format!("primitive {index}: {message}"))?;
     }
-    let Merged { mut surface, deformation, .. } = merged;
+    let Merged { mut surface, deformation, normals, .. } = merged;
+    if !normals.is_empty() {
+        accessors.charge(surface.triangles.len(), 9)?;
+        let normal = |v: u32| normals.get(v as usize).copied().unwrap_or_default();
+        surface.corner_normals = surface.triangles.iter().map(|corners| corners.map(normal)).collect();
+    }
     if !deformation.is_none() {
         surface.weld_keys = deformation.weld_keys();
     }
@@ -56,6 +62,9 @@ fn skipped_mode(mode: u32) -> Option<Words> {
 struct Merged<'a> {
     surface: Surface,
     deformation: Deformation,
+    wants_normals: bool,
+    /// One for each vertex up to the last that has one, zero for others.
+    normals: Vec<Vec3>,
     /// Primitives of different materials often share their vertices: for what makes these, the first and the count.
     blocks: BTreeMap<(&'a Attributes, &'a [Attributes]), (u32, usize)>,
 }
@@ -140,9 +149,30 @@ impl<'a> Merged<'a> {
         } else if !colors.is_empty() {
             colors.resize(self.surface.positions.len(), Vec3::ONE);
         }
+        if self.wants_normals
+            && let Some(&accessor) = primitive.attributes.get("NORMAL")
+        {
+            match normals(accessor, positions.len(), accessors) {
+                Ok(added) => {
+                    self.normals.resize(first, Vec3::ZERO);
+                    self.normals.extend(added);
+                }
+                Err(message) => {
+                    let words = ["primitive has no normals to use", "primitives have no normals to use"];
+                    warnings.add_one(words, || message);
+                }
+            }
+        }
         self.blocks.insert(key, block);
         Ok(block)
     }
+}
+
+/// One for each vertex.
+fn normals(accessor: usize, vertex_count: usize, accessors: &Accessors<'_>) -> Result<Vec<Vec3>, String> {
+    let normals = accessors.vectors::<3>(accessor).map_err(|message| format!("NORMAL: {message}"))?;
+    check_count("NORMAL", normals.len(), vertex_count)?;
+    Ok(normals.into_iter().map(|normal| DVec3::from(normal).as_vec3()).collect())
 }
 
 pub(super) fn check_count(attribute: &str, count: usize, vertices: usize) -> Result<(), String> {

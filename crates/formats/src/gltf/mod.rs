@@ -45,7 +45,7 @@ use umbrae_core::{Bounds, Light, Material, Mesh, NamedCamera, Object, Pose, Scen
 use crate::animation::NOT_PLAYED;
 use crate::error::{Problem, quoted};
 use crate::load::Context;
-use crate::place::{OBJECT_SKIPPED, origin_of};
+use crate::place::{NORMAL_LEFT_OUT, OBJECT_SKIPPED, origin_of};
 use crate::warnings::Warnings;
 use crate::{Animations, Format, Model, UpAxis};
 
@@ -80,6 +80,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     let mut stage = Stage {
         document: &document,
         accessors: &accessors,
+        wants_normals: context.options.normals,
         uv_sources: looks.uv_sources,
         tree: &tree,
         cast: Cast { clips, nodes, ..Cast::default() },
@@ -155,6 +156,7 @@ const NUMBERS_OF_JOINT: usize = 24;
 struct Stage<'a> {
     document: &'a Document,
     accessors: &'a Accessors<'a>,
+    wants_normals: bool,
     /// For each material of the file.
     uv_sources: Vec<Option<UvSource>>,
     tree: &'a Tree,
@@ -365,11 +367,13 @@ impl Stage<'_> {
         let in_mesh = |message: String| Problem::in_part("mesh", mesh_index, source.name.as_deref(), message);
         let materials = Materials(&self.uv_sources);
         let (surface, deformation) =
-            mesh::surface(source, has_skin, self.accessors, materials, &mut self.warnings).map_err(in_mesh)?;
+            mesh::surface(source, has_skin, self.wants_normals, self.accessors, materials, &mut self.warnings)
+                .map_err(in_mesh)?;
         if surface.triangles.is_empty() {
             return Ok(None);
         }
         let mesh = Mesh::new(surface).map_err(|error| in_mesh(error.to_string()))?;
+        self.warnings.add(mesh.counts().unusable_normals, NORMAL_LEFT_OUT);
         let deformer = (!deformation.is_none()).then(|| Arc::new(deformation.of_mesh(&mesh)));
         let reach = Arc::new(Reach::new(&mesh, deformer.as_deref()));
         Ok(Some(Shape { mesh: Arc::new(mesh), deformer, highest_joint: deformation.highest_joint, reach }))

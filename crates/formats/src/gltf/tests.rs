@@ -4,6 +4,7 @@ mod animation;
 mod materials;
 mod meshes;
 mod nodes;
+mod normals;
 mod refusals;
 
 use base64::Engine;
@@ -65,6 +66,11 @@ impl Builder {
 
     fn read(&self) -> Result<Model, LoadError> {
         load_bytes(&self.text(), Format::Gltf, "model.gltf", None, &LoadOptions::default())
+    }
+
+    fn with_normals(&self) -> Model {
+        let options = LoadOptions { normals: true, ..LoadOptions::default() };
+        load_bytes(&self.text(), Format::Gltf, "model.gltf", None, &options).expect("a good file")
     }
 
     fn model(&self) -> Model {

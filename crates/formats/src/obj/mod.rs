@@ -34,7 +34,7 @@ use statements::{Face, Obj, Statements};
 /// Reads an OBJ file, and the material libraries beside it.
 pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem> {
     let mut warnings = Warnings::default();
-    let obj = Obj::read(bytes, &mut warnings);
+    let obj = Obj::read(bytes, context.options.normals, &mut warnings);
     let (materials, textures) = materials(&obj, context, bytes.len(), &mut warnings);
     let colors = obj.linear_colors(&mut warnings);
     let groups = obj.faces_by_group();
@@ -108,7 +108,7 @@ impl Shapes {
     fn part(&mut self, name: String, faces: &[Face], source: Option<&[u32]>, warnings: &mut Warnings) -> Part {
         let mut part = Part { name, ..Part::default() };
         let mut ring = Vec::new();
-        let (mut cut, mut uvs) = (Vec::new(), Vec::new());
+        let (mut cut, mut uvs, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         for face in faces {
             cut.clear();
             self.cut_face(face, &mut ring, &mut cut, warnings);
@@ -119,6 +119,11 @@ impl Shapes {
                 uvs.clear();
                 uvs.extend(self.obj.uvs_of(face));
                 part.corner_uvs.extend(cut.iter().map(|t| t.map(|i| uvs[i as usize])));
+            }
+            if self.obj.has_normals() {
+                normals.clear();
+                normals.extend(self.obj.normals_of(face));
+                part.corner_normals.extend(cut.iter().map(|t| t.map(|i| normals[i as usize])));
             }
         }
         match source {

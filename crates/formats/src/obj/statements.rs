@@ -22,6 +22,12 @@ pub(super) struct Obj {
     uvs: Vec<Vec2>,
     /// For each corner, the index of its texture coordinates; empty when no corner has any.
     corner_uvs: Vec<u32>,
+    /// Whether those of corners are wanted.
+    wants_normals: bool,
+    /// One for each `vn`, as in the file; zero where it could not be read.
+    normals: Vec<Vec3>,
+    /// For each corner, the index of its normal; empty when no corner has any.
+    corner_normals: Vec<u32>,
     pub(super) faces: Vec<Face>,
     groups: Vec<Group>,
     /// Names, in the order in which faces first use them; empty where they use none.
@@ -51,12 +57,13 @@ struct Group {
     group_name: Option<String>,
 }
 
-/// Names no vertex and no texture coordinate, whatever their number.
+/// Names no vertex, no texture coordinate and no normal, whatever their number.
 const NOTHING: u32 = u32::MAX;
 
 impl Obj {
-    pub(super) fn read(bytes: &[u8], warnings: &mut Warnings) -> Self {
-        let mut obj = Self::default();
+    /// Normals are read if someone `wants_normals`.
+    pub(super) fn read(bytes: &[u8], wants_normals: bool, warnings: &mut Warnings) -> Self {
+        let mut obj = Self { wants_normals, ..Self::default() };
         let mut current = Current::default();
         for (line, statement) in Statements::new(bytes) {
             let (keyword, rest) = first_word(&statement);
@@ -64,7 +71,8 @@ impl Obj {
                 b"v" => obj.read_vertex(line, rest, warnings),
                 b"f" | b"fo" => obj.read_face(line, rest, &mut current, warnings),
                 b"vt" => obj.read_uv(line, rest, warnings),
-                // Normals and smoothing: nothing that a shadow depends on.
+                b"vn" if wants_normals => obj.read_normal(line, rest, warnings),
+                // Smoothing groups: which edges are creases is told from their angles.
                 b"" | b"vn" | b"s" => {}
                 b"o" => current.start_object(rest),
                 b"g" => current.start_group(rest),
@@ -106,6 +114,18 @@ impl Obj {
         let indices = self.corner_uvs.get(face.first_corner..).unwrap_or_default();
         let uv = |i: usize| indices.get(i).and_then(|&index| self.uvs.get(index as usize));
         (0..face.corner_count as usize).map(move |i| uv(i).copied().unwrap_or_default())
+    }
+
+    /// Whether any corner names a normal.
+    pub(super) fn has_normals(&self) -> bool {
+        !self.corner_normals.is_empty()
+    }
+
+    /// The normal of each corner of `face`, zero for one without.
+    pub(super) fn normals_of(&self, face: &Face) -> impl Iterator<Item = Vec3> {
+        let indices = self.corner_normals.get(face.first_corner..).unwrap_or_default();
+        let normal = |i: usize| indices.get(i).and_then(|&index| self.normals.get(index as usize));
+        (0..face.corner_count as usize).map(move |i| normal(i).copied().unwrap_or_default())
     }
 
     /// The faces of each group, both in the order of the file. A group that is taken up again goes on.
@@ -171,6 +191,7 @@ impl Obj {
     fn drop_corners_from(&mut self, first: usize) {
         self.corners.truncate(first);
         self.corner_uvs.truncate(first);
+        self.corner_normals.truncate(first);
     }
 
     fn read_uv(&mut self, line: usize, rest: &[u8], warnings: &mut Warnings) {
@@ -185,6 +206,17 @@ impl Obj {
         self.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
     }
 
+    fn read_normal(&mut self, line: usize, rest: &[u8], warnings: &mut Warnings) {
+        let mut numbers = words(rest).map(|word| number(word).unwrap_or(f64::NAN));
+        let mut next = || numbers.next().unwrap_or(f64::NAN) as f32;
+        let normal = Vec3::new(next(), next(), next());
+        if !normal.is_finite() {
+            let words = ["normal can't be read and was left out", "normals can't be read and were left out"];
+            warnings.add_one(words, || format!("line {line}: {}", quoted(&lossy(rest))));
+        }
+        self.normals.push(if normal.is_finite() { normal } else { Vec3::ZERO });
+    }
+
     fn read_face(&mut self, line: usize, rest: &[u8], current: &mut Current, warnings: &mut Warnings) {
         let first_corner = self.corners.len();
         for word in words(rest).take_while(|word| word[0] != b'#') {
@@ -197,14 +229,12 @@ impl Obj {
                 return;
             };
             self.corners.push(place_of(index, self.positions.len()));
-            // No coordinates, or broken ones, concern only the look.
-            let uv = indices.next().and_then(integer);
-            if uv.is_some() && self.corner_uvs.is_empty() {
-                self.corner_uvs.resize(self.corners.len() - 1, NOTHING);
-            }
-            if uv.is_some() || !self.corner_uvs.is_empty() {
-                self.corner_uvs.push(uv.map_or(NOTHING, |uv| place_of(uv, self.uvs.len())));
-            }
+            // No coordinates or normals, or broken ones, concern only the look.
+            let uv = indices.next().and_then(integer).map(|uv| place_of(uv, self.uvs.len()));
+            name_at_last(&mut self.corner_uvs, self.corners.len(), uv);
+            let normal = indices.next().filter(|_| self.wants_normals).and_then(integer);
+            let normal = normal.map(|normal| place_of(normal, self.normals.len()));
+            name_at_last(&mut self.corner_normals, self.corners.len(), normal);
         }
         let corner_count = self.corners.len() - first_corner;
         if corner_count < 3 {
@@ -227,6 +257,14 @@ impl Obj {
             })
         });
         self.faces.push(Face { first_corner, corner_count: corner_count as u32, group, material, line: line as u32 });
+    }
+}
+
+/// Adds what the last of `corner_count` corners names to a list that is empty while no corner has named anything.
+fn name_at_last(names: &mut Vec<u32>, corner_count: usize, name: Option<u32>) {
+    if name.is_some() || !names.is_empty() {
+        names.resize(corner_count - 1, NOTHING);
+        names.push(name.unwrap_or(NOTHING));
     }
 }
 

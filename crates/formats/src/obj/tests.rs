@@ -209,3 +209,56 @@ fn textures_are_read_beside_the_library_and_v_points_up() {
     let expected = ["1 base colour texture was left out (first: \"no wood.png\": its file is missing)"];
     assert_eq!(warnings(&model), expected);
 }
+
+fn with_normals(text: &str) -> Model {
+    let options = LoadOptions { up: Some(UpAxis::Z), normals: true, ..LoadOptions::default() };
+    load_bytes(text.as_bytes(), Format::Obj, "model.obj", None, &options).expect("a good file")
+}
+
+#[test]
+fn normals_go_with_corners_whatever_stands_between_the_slashes() {
+    let normals = "vn 1 0 0\nvn 0 2 0\nvn 0 0 3\nvt 0 0\n";
+    for face in ["f 1//1 2//2 3//3\n", "f 1/1/1 2/1/-2 3/9/3\n", "f -4//-3 -3//2 -2//-1\n"] {
+        let model = with_normals(&format!("{SQUARE}{normals}{face}"));
+        assert_eq!(model.scene.objects[0].mesh.corner_normals(), [[Vec3::X, Vec3::Y, Vec3::Z]], "{face}");
+        assert!(model.warnings.is_empty(), "{face}: {:?}", model.warnings);
+    }
+    let text = format!("{SQUARE}{normals}f 1//1 2//2 3//3\n");
+    assert!(model(&text).scene.objects[0].mesh.corner_normals().is_empty(), "nobody asked for them");
+    let up =
+        load_bytes(text.as_bytes(), Format::Obj, "a.obj", None, &LoadOptions { normals: true, ..Default::default() });
+    let up = up.expect("the same file with y up");
+    assert_eq!(up.scene.objects[0].mesh.corner_normals(), [[Vec3::X, Vec3::Z, Vec3::NEG_Y]]);
+}
+
+#[test]
+fn corners_of_one_vertex_keep_normals_of_their_own_in_every_object() {
+    let text = "v 0 0 0\nv 4 -2 0\nv 1 0 0\nv 4 2 0\nvn 1 0 0\nvn 0 1 0\nvn 0 0 1\nvn -1 0 0\n\
+        o first\nf 1 2 3\no concave\nf 1//1 2//2 3//3 4//4\no turned\nf 3//1 2//2 1//4\n";
+    let model = with_normals(text);
+    let [first, concave, turned] = model.scene.objects.as_slice() else { panic!("three objects") };
+    assert!(first.mesh.corner_normals().is_empty(), "its corners name none");
+    let by_position = [(Vec3::ZERO, Vec3::X), (Vec3::new(4.0, -2.0, 0.0), Vec3::Y), (Vec3::X, Vec3::Z)];
+    let by_position = [by_position.as_slice(), &[(Vec3::new(4.0, 2.0, 0.0), Vec3::NEG_X)]].concat();
+    let corners = concave.mesh.triangles().iter().zip(concave.mesh.corner_normals());
+    let corners: Vec<_> = corners.flat_map(|(t, normals)| t.iter().zip(normals)).collect();
+    assert_eq!(corners.len(), 6);
+    for (corner, normal) in corners {
+        assert!(by_position.contains(&(concave.mesh.positions()[*corner as usize], *normal)), "{corner}: {normal}");
+    }
+    assert_eq!(turned.mesh.corner_normals(), [[Vec3::X, Vec3::Y, Vec3::NEG_X]]);
+}
+
+#[test]
+fn a_normal_that_is_missing_or_broken_leaves_its_corner_without_one() {
+    let text = format!(
+        "{SQUARE}vn 0 0 1\nvn 0 x 1\nvn 1 0\nvn inf 0 0\nf 1 2 3 4\nf 1//1 2//2 3//9\nf 1//3 2//1 3//x\nf 1//4 2//0 3//1\n"
+    );
+    let model = with_normals(&text);
+    let none = Vec3::ZERO;
+    assert_eq!(
+        model.scene.objects[0].mesh.corner_normals(),
+        [[none; 3], [none; 3], [Vec3::Z, none, none], [none, Vec3::Z, none], [none, none, Vec3::Z]]
+    );
+    assert_eq!(warnings(&model), ["3 normals can't be read and were left out (first: line 6: \"0 x 1\")"]);
+}

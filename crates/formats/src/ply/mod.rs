@@ -4,7 +4,7 @@
 //! comments that are not UTF-8, it looks properties up by name for every value, and a header with 4,000,000,000
 //! rows of an element without properties makes it fill the memory. `tests/peers.rs` compares us with it on good files.
 //!
-//! What counts: the `vertex` element's x, y, z and red, green, blue (sRGB, as is custom), the `face` element's list
+//! What counts: the `vertex` element's x, y, z and red, green, blue (sRGB, as is custom), its nx, ny, nz if they are asked for, the `face` element's list
 //! of vertices, and the `tristrips` of the Stanford archive.
 
 mod header;
@@ -36,7 +36,7 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
     let header = Header::read(&mut lines)?;
     let mut rows = Rows::new(header.encoding, lines, bytes.len());
 
-    let mut vertices = Vertices::default();
+    let mut vertices = Vertices { wants_normals: context.options.normals, ..Vertices::default() };
     let mut polygons = Polygons::default();
     for element in &header.elements {
         rows.check_count(element)?;
@@ -58,9 +58,11 @@ pub(crate) fn read(bytes: &[u8], context: Context<'_>) -> Result<Model, Problem>
         warnings.add(rows.bytes_left(), words);
     }
 
+    let triangles = polygons.cut(&vertices.positions, &mut warnings)?;
     let part = Part {
         name: context.stem.to_owned(),
-        triangles: polygons.cut(&vertices.positions, &mut warnings)?,
+        corner_normals: vertices.corner_normals(&triangles),
+        triangles,
         positions: vertices.positions,
         vertex_colors: vertices.colors,
         ..Part::default()
@@ -111,6 +113,9 @@ struct Vertices {
     positions: Vec<DVec3>,
     /// Linear; one for each position, or none.
     colors: Vec<Vec3>,
+    wants_normals: bool,
+    /// As in the file; one for each position, or none.
+    normals: Vec<Vec3>,
 }
 
 impl Vertices {
@@ -124,6 +129,9 @@ impl Vertices {
         let color =
             [scalar(&["red", "diffuse_red"]), scalar(&["green", "diffuse_green"]), scalar(&["blue", "diffuse_blue"])];
         let color = if let [Some(red), Some(green), Some(blue)] = color { Some([red, green, blue]) } else { None };
+        let normal = [scalar(&["nx"]), scalar(&["ny"]), scalar(&["nz"])];
+        let normal = if let [Some(x), Some(y), Some(z)] = normal { Some([x, y, z]) } else { None };
+        let normal = normal.filter(|_| self.wants_normals);
         let brightest = |column: usize| match element.properties[column].kind {
             Kind::Scalar(Type::F32 | Type::F64) => 1.0,
             Kind::Scalar(Type::I16 | Type::U16) => f64::from(u16::MAX),
@@ -149,11 +157,22 @@ impl Vertices {
                 bad_colors += usize::from(!srgb.is_finite());
                 self.colors.push(if srgb.is_finite() { linear_from_srgb(srgb) } else { Vec3::ONE });
             }
+            if let Some(columns) = normal {
+                self.normals.push(Vec3::from_array(columns.map(|column| row[column] as f32)));
+            }
         }
         let words =
             ["vertex colour is not a number and became white", "vertex colours are not numbers and became white"];
         warnings.add(bad_colors, words);
         Ok(())
+    }
+
+    /// For the corners of each of `triangles`, whose vertices exist; empty if the file has no normals.
+    fn corner_normals(&self, triangles: &[[u32; 3]]) -> Vec<[Vec3; 3]> {
+        if self.normals.is_empty() {
+            return Vec::new();
+        }
+        triangles.iter().map(|corners| corners.map(|v| self.normals[v as usize])).collect()
     }
 }
 

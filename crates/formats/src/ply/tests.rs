@@ -166,3 +166,30 @@ fn an_archive_that_is_damaged_or_blows_up_is_refused() {
     let zeros = zipped(&[ASCII.as_bytes(), &vec![b' '; 1_000_000]].concat());
     assert!(error(&zeros).contains("unpacks to more than 64 times its"));
 }
+
+#[test]
+fn normals_are_those_of_the_vertices_at_each_corner() {
+    let properties = "property float nx\nproperty float nz\nproperty double ny\nelement face";
+    let text = ASCII
+        .replace("element face", properties)
+        .replace("0 0 0\n1 0 0\n1 1 0\n0 1 0\n", "0 0 0 1 0 0\n1 0 0 0 2 0\n1 1 0 0 0 3\n0 1 0 nan 0 0\n");
+    let options = |up| LoadOptions { up: Some(up), normals: true, ..LoadOptions::default() };
+    let with_normals = |text: &str, up| load_bytes(text.as_bytes(), Format::Ply, "model.ply", None, &options(up));
+    let square = with_normals(&text, UpAxis::Z).expect("a good file");
+    let mesh = &square.scene.objects[0].mesh;
+    let expected = [Vec3::X, Vec3::Z, Vec3::Y, Vec3::ZERO];
+    let mut corners = 0;
+    for (&corner, &normal) in mesh.triangles().as_flattened().iter().zip(mesh.corner_normals().as_flattened()) {
+        assert_eq!(normal, expected[mesh.source_vertices()[corner as usize] as usize]);
+        corners += 1;
+    }
+    assert_eq!(corners, 6);
+    let without = mesh.corner_normals().as_flattened().iter().filter(|&&normal| normal == Vec3::ZERO).count();
+    assert_eq!((square.warnings.len(), square.warnings[0].count), (1, without));
+    assert!(square.warnings[0].message.contains("not finite"), "{:?}", square.warnings);
+    let y_up = with_normals(&text, UpAxis::Y).expect("a good file");
+    assert!(y_up.scene.objects[0].mesh.corner_normals().as_flattened().contains(&Vec3::NEG_Y), "the file's z");
+    assert!(model(text.as_bytes()).scene.objects[0].mesh.corner_normals().is_empty(), "nobody asked for them");
+    let without_nz = with_normals(&text.replace("float nz", "float n_z"), UpAxis::Z).expect("a good file");
+    assert!(without_nz.scene.objects[0].mesh.corner_normals().is_empty() && without_nz.warnings.is_empty());
+}

@@ -118,7 +118,7 @@ impl GlassPass {
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, glass: &GlassFrame) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_vertex_buffer(0, scene.surface.slice(..));
+        scene.set_vertices(pass);
         pass.set_index_buffer(glass.indices.slice(..), wgpu::IndexFormat::Uint32);
         for run in &glass.runs {
             pass.set_bind_group(2, &scene.finishes[run.finish as usize].group, &[]);

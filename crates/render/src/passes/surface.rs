@@ -2,7 +2,7 @@
 
 use super::{BOTH_SIDES, Layouts};
 use crate::gpu_finishes::FinishKind;
-use crate::gpu_scene::SurfaceVertex;
+use crate::gpu_scene::{SHADING_NORMAL_LAYOUT, SurfaceVertex};
 use crate::targets::Output;
 use crate::{Gpu, GpuScene, shaders};
 
@@ -96,7 +96,7 @@ impl SurfacePipelines {
 
     /// Draws everything but glass.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene) {
-        pass.set_vertex_buffer(0, scene.surface.slice(..));
+        scene.set_vertices(pass);
         for (vertices, finish) in &scene.draws {
             let finish = &scene.finishes[*finish as usize];
             let pipeline = match finish.kind {
@@ -134,7 +134,7 @@ pub(super) fn surface_pipeline(
             module,
             entry_point: Some("vs_surface"),
             compilation_options: compilation_options.clone(),
-            buffers: &[Some(SurfaceVertex::LAYOUT)],
+            buffers: &[Some(SurfaceVertex::LAYOUT), Some(SHADING_NORMAL_LAYOUT)],
         },
         primitive: BOTH_SIDES,
         depth_stencil: Some(state.depth_stencil.clone()),

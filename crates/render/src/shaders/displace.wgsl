@@ -21,6 +21,8 @@ struct Displacing {
 
 // Position, normal, colour and texture coordinates.
 const SURFACE_WORDS: u32 = 9u;
+// In a vertex's colour; see gpu_scene.rs.
+const FLAT: u32 = 0xFF000000u;
 // In texels; see texture_displacer.rs.
 const SURFACE_WIDTH: u32 = 2016u;
 
@@ -58,7 +60,7 @@ fn fs_surfaces(@builtin(position) fragment: vec4f) -> @location(0) vec4u {
     for (var i = 0u; i < 4u; i++) {
         let vertex = (first + i) / SURFACE_WORDS;
         let word = (first + i) % SURFACE_WORDS;
-        if word >= 6u || vertex / 3u >= displacing.triangle_count {
+        if word > 6u || vertex / 3u >= displacing.triangle_count {
             continue;
         }
         let triangle = textureLoad(triangles, place_of(vertex / 3u), 0);
@@ -67,6 +69,9 @@ fn fs_surfaces(@builtin(position) fragment: vec4f) -> @location(0) vec4u {
         }
         if word < 3u {
             words[i] = textureLoad(shown, place_of(triangle[vertex % 3u]), 0)[word];
+        } else if word == 6u {
+            // Normals to shade with were those of its rest: what moves here is flat.
+            words[i] |= FLAT;
         } else {
             let normal = flat_normal(corner(triangle.x), corner(triangle.y), corner(triangle.z));
             words[i] = bitcast<u32>(normal[word - 3u]);

@@ -39,6 +39,8 @@ struct Posed {
 @group(0) @binding(4) var<storage, read_write> surface: array<u32>;
 
 const SURFACE_WORDS: u32 = 9u;
+// In a vertex's colour; see gpu_scene.rs.
+const FLAT: u32 = 0xFF000000u;
 const GROUP_SIZE: u32 = 64u;
 // The bits of 0.0 and 1.0; see volume.wgsl.
 const NEAR: u32 = 0u;
@@ -132,5 +134,7 @@ fn pose_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgro
             surface[word + axis] = corners[i][axis];
             surface[word + 3u + axis] = normal[axis];
         }
+        // Normals to shade with were those of another pose: what moves here is flat.
+        surface[word + 6u] |= FLAT;
     }
 }

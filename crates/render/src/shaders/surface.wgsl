@@ -25,10 +25,13 @@ struct Finish {
 
 struct Vertex {
     @location(0) position_world: vec3f,
-    // Unit length, the same at all three corners: shadows are exact for flat triangles.
+    // Of the triangle: unit length, the same at all three corners. Shadows are exact for flat triangles.
     @location(1) normal_world: vec3f,
+    // The fourth is 1 where the triangle is flat, else 0.
     @location(2) color_srgb: vec4f,
     @location(3) uv: vec2f,
+    // Of the surface that the triangle stands for, at this corner: unit length. Anything where the triangle is flat.
+    @location(4) shading_normal_world: vec3f,
 }
 
 struct Fragment {
@@ -40,6 +43,9 @@ struct Fragment {
     // device interpolates positions over a triangle as large as the ground.
     @location(3) @interpolate(flat) corner_world: vec3f,
     @location(4) uv: vec2f,
+    // The normal to shade with, not of unit length between corners; and how high each corner is over the eye along its own.
+    @location(5) shading: vec4f,
+    @location(6) @interpolate(flat) flatness: f32,
 }
 
 @vertex
@@ -51,6 +57,9 @@ fn vs_surface(vertex: Vertex) -> Fragment {
     out.corner_world = vertex.position_world;
     out.color = linear_from_srgb(vertex.color_srgb.rgb);
     out.uv = vertex.uv;
+    let from_eye = vertex.position_world - view.eye_world;
+    out.shading = vec4f(vertex.shading_normal_world, dot(vertex.shading_normal_world, from_eye));
+    out.flatness = vertex.color_srgb.a;
     return out;
 }
 
@@ -58,10 +67,38 @@ fn linear_from_srgb(c: vec3f) -> vec3f {
     return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
 }
 
-// The normal on the eye's side of the surface.
-fn seen_normal(fragment: Fragment) -> vec3f {
+// Whether it is the triangle's front that is seen.
+fn is_front_seen(fragment: Fragment) -> bool {
     let to_eye = view.eye_world - fragment.corner_world;
-    return select(-fragment.normal_world, fragment.normal_world, dot(fragment.normal_world, to_eye) > 0.0);
+    return dot(fragment.normal_world, to_eye) > 0.0;
+}
+
+// The triangle's normal on the eye's side.
+fn seen_normal(fragment: Fragment) -> vec3f {
+    return select(-fragment.normal_world, fragment.normal_world, is_front_seen(fragment));
+}
+
+// Whether the triangle stands for a curved surface here. Where opposite normals cancel out there is none to shade with.
+fn is_smooth(fragment: Fragment) -> bool {
+    return fragment.flatness < 0.5 && dot(fragment.shading.xyz, fragment.shading.xyz) > 0.0;
+}
+
+// The normal that the surface is shaded with, on the eye's side: on which side the eye is, the triangle alone says, as everywhere else.
+fn shading_normal(fragment: Fragment) -> vec3f {
+    if !is_smooth(fragment) {
+        return seen_normal(fragment);
+    }
+    let n = normalize(fragment.shading.xyz);
+    return select(-n, n, is_front_seen(fragment));
+}
+
+// Of a smooth surface: how high the light is over the tangent planes of the corners, on the seen side, interpolated between them; in lengths of the
+// normal, and of the way to the light. Where it is 0, silhouettes of smooth bodies cross the triangle; the height over an interpolated plane
+// would be another for a lamp nearby, and above 0 where no corner is lit.
+fn light_height(from_light: Light, fragment: Fragment) -> f32 {
+    let from_eye = offset_to_light(from_light, view.eye_world);
+    let height = dot(fragment.shading.xyz, from_eye) - fragment.shading.w * from_light.position_world.w;
+    return select(-height, height, is_front_seen(fragment));
 }
 
 // 1 near the model, 0 where the ground has faded into the sky.
@@ -93,7 +130,7 @@ fn is_cut_out(fragment: Fragment) -> bool {
 
 // The light that comes from everywhere, for white.
 fn ambient(fragment: Fragment) -> vec3f {
-    return ambient_on(seen_normal(fragment), fragment.position_world);
+    return ambient_on(shading_normal(fragment), fragment.position_world);
 }
 
 // For a seen side with the unit normal `n`.
@@ -120,13 +157,26 @@ fn gives_light(fragment: Fragment) -> bool {
     return reaches_seen_side(light, fragment);
 }
 
+// The one way in which it is decided where the lit side of a surface ends, for light, marks and masks.
+fn is_turned_to_light(from_light: Light, fragment: Fragment) -> bool {
+    if is_smooth(fragment) {
+        return light_height(from_light, fragment) > 0.0;
+    }
+    return dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
+}
+
 fn reaches_seen_side(from_light: Light, fragment: Fragment) -> bool {
-    let is_turned_to_light = dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
-    return is_turned_to_light && reaches(from_light, offset_to_light(from_light, fragment.position_world));
+    return is_turned_to_light(from_light, fragment) && reaches(from_light, offset_to_light(from_light, fragment.position_world));
 }
 
 // Where the light reaches the seen side.
 fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
+    if is_smooth(fragment) {
+        let offset = offset_to_light(from_light, fragment.position_world);
+        let lengths_squared = dot(fragment.shading.xyz, fragment.shading.xyz) * dot(offset, offset);
+        return from_light.strength
+            * (max(light_height(from_light, fragment) * inverseSqrt(lengths_squared), 0.0) * attenuation(from_light, offset));
+    }
     return irradiance_on(from_light, seen_normal(fragment), fragment.position_world);
 }
 

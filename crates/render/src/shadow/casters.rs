@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use glam::DVec3;
-use umbrae_core::{Caster, Finder, Silhouettes};
+use glam::{DVec3, Vec3};
+use umbrae_core::{Bounds, Caster, Finder, Silhouettes, SmoothBody};
 use wgpu::util::DeviceExt as _;
 
 use super::found::basic::Displaced;
@@ -50,7 +50,9 @@ impl Block {
     /// The vertex with an index of the block, as it is uploaded for `caster`, whose block it is.
     pub(crate) fn vertex(self, i: u32, caster: &Caster) -> VolumeVertex {
         let Some(i) = i.checked_sub(Self::FIRST_POSITION) else {
-            return AXES.get(i as usize).map_or_else(|| middle(caster), |axis| axis.as_vec3().extend(2.0).to_array());
+            return AXES
+                .get(i as usize)
+                .map_or_else(|| middle(&caster.bounds), |axis| axis.as_vec3().extend(2.0).to_array());
         };
         let is_far = i >= self.position_count;
         let position = caster.positions[(if is_far { i - self.position_count } else { i }) as usize];
@@ -76,6 +78,8 @@ pub struct ShadowCasters {
     pub(crate) has_moved: Vec<AtomicBool>,
     /// What finds each caster's silhouettes on the CPU.
     pub(crate) silhouettes: Vec<Mutex<Silhouettes>>,
+    /// Casters that stand for smooth bodies.
+    pub(crate) bodies: Vec<Option<SmoothBody>>,
     moves: AtomicU64,
     /// Positions that only the GPU knows; see [`crate::TextureDisplacer`].
     displaced: OnceLock<Displaced>,
@@ -105,7 +109,9 @@ impl ShadowCasters {
         });
         let has_moved = casters.iter().map(|_| AtomicBool::new(false)).collect();
         let silhouettes = casters.iter().map(|_| Mutex::default()).collect();
-        Ok(Self { vertices, blocks, has_moved, silhouettes, moves: AtomicU64::new(0), displaced: OnceLock::new() })
+        let bodies = casters.iter().map(|_| None).collect();
+        let (moves, displaced) = (AtomicU64::new(0), OnceLock::new());
+        Ok(Self { vertices, blocks, has_moved, silhouettes, bodies, moves, displaced })
     }
 
     /// Positions that only the GPU knows, if there are any.
@@ -136,6 +142,19 @@ impl ShadowCasters {
         self.silhouettes[i] = Mutex::new(Silhouettes::with_finder(finder));
     }
 
+    /// Has caster `i` cast the shadow of the smooth `body`, which was made of it as it is, where [`crate::ShadowOptions::smooth`] asks for that.
+    ///
+    /// A caster that has moved since casts the shadow of its triangles until it is given another.
+    pub fn give_body(&mut self, i: usize, body: SmoothBody) {
+        self.has_moved[i].store(false, Ordering::Relaxed);
+        self.bodies[i] = Some(body);
+    }
+
+    /// What caster `i` stands for, if that is known where it is now.
+    pub(crate) fn body(&self, i: usize) -> Option<&SmoothBody> {
+        self.bodies[i].as_ref().filter(|_| !self.has_moved[i].load(Ordering::Relaxed))
+    }
+
     fn note_move(&self, i: usize) {
         self.has_moved[i].store(true, Ordering::Relaxed);
         self.silhouettes[i].lock().unwrap_or_else(PoisonError::into_inner).forget();
@@ -147,22 +166,29 @@ impl ShadowCasters {
         self.note_move(i);
         let vertex = self.blocks[i].first_vertex + Block::MIDDLE;
         let offset = u64::from(vertex) * size_of::<VolumeVertex>() as u64;
-        gpu.queue.write_buffer(&self.vertices, offset, bytemuck::bytes_of(&middle(caster)));
+        gpu.queue.write_buffer(&self.vertices, offset, bytemuck::bytes_of(&middle(&caster.bounds)));
     }
 }
 
 fn volume_vertices(casters: &[Caster]) -> Vec<VolumeVertex> {
     let mut vertices = Vec::new();
     for caster in casters {
-        vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
-        vertices.push(middle(caster));
-        for extruded in [0.0, 1.0] {
-            vertices.extend(caster.positions.iter().map(|p| p.extend(extruded).to_array()));
-        }
+        add_block(&mut vertices, &caster.bounds, &caster.positions);
     }
     vertices
 }
 
-pub(crate) fn middle(caster: &Caster) -> VolumeVertex {
-    caster.bounds.center().as_vec3().extend(1.0).to_array()
+/// Adds the vertices of one block: of what has `positions` in `bounds`.
+pub(super) fn add_block(vertices: &mut Vec<VolumeVertex>, bounds: &Bounds, positions: &[Vec3]) -> Block {
+    let block = Block { first_vertex: vertices.len() as u32, position_count: positions.len() as u32 };
+    vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
+    vertices.push(middle(bounds));
+    for extruded in [0.0, 1.0] {
+        vertices.extend(positions.iter().map(|p| p.extend(extruded).to_array()));
+    }
+    block
+}
+
+pub(crate) fn middle(bounds: &Bounds) -> VolumeVertex {
+    bounds.center().as_vec3().extend(1.0).to_array()
 }

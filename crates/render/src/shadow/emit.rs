@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-use umbrae_core::{Case, Caster, Chain, LightPosition, ShadowVolume};
+use glam::{DVec3, Vec3};
+use umbrae_core::{Bounds, Case, Caster, Chain, LightPosition, ShadowVolume};
 
 use super::casters::{AXES, Block};
 use super::report::CasterReport;
@@ -31,7 +31,7 @@ pub(crate) struct Indices {
 }
 
 impl Indices {
-    fn add(&mut self, is_short: bool, triangles: &[[u32; 3]]) -> Range<u32> {
+    pub(super) fn add(&mut self, is_short: bool, triangles: &[[u32; 3]]) -> Range<u32> {
         let flat = triangles.as_flattened();
         let start = if is_short { self.short.len() } else { self.long.len() };
         if is_short {
@@ -73,7 +73,7 @@ pub(super) fn emit(
         }
     };
     let is_pass = case == Case::Pass;
-    let mut body = sides(block, volume, light);
+    let mut body = sides(block, &volume.sides, light);
     report.faces_mut().side_triangles += body.len();
     if !is_pass && shows_dark_cap && !light.is_directional() {
         let before = body.len();
@@ -98,11 +98,11 @@ pub(super) fn emit(
     added
 }
 
-fn sides(block: Block, volume: &ShadowVolume, light: LightPosition) -> Vec<[u32; 3]> {
+pub(super) fn sides(block: Block, edges: &[[u32; 2]], light: LightPosition) -> Vec<[u32; 3]> {
     let (near, far) = (|i| block.near(i), |i| block.far(i));
     if light.is_directional() {
         // All copies at infinity are one point.
-        return volume.sides.iter().map(|&[a, b]| [near(a), far(a), near(b)]).collect();
+        return edges.iter().map(|&[a, b]| [near(a), far(a), near(b)]).collect();
     }
     let quad = |&[a, b]: &[u32; 2]| {
         // The diagonal starts at the lower vertex, so that quads of one edge that run both ways cancel exactly.
@@ -112,7 +112,7 @@ fn sides(block: Block, volume: &ShadowVolume, light: LightPosition) -> Vec<[u32;
             [[near(b), near(a), far(a)], [near(b), far(a), far(b)]]
         }
     };
-    volume.sides.iter().flat_map(quad).collect()
+    edges.iter().flat_map(quad).collect()
 }
 
 /// A fan about the axis is narrow when the light is at least this many radii from the middle: within 57 degrees of the axis.
@@ -129,15 +129,35 @@ pub(crate) fn add_dark_cap(
     volume: &ShadowVolume,
     light: LightPosition,
 ) {
-    let far = |i| block.far(i);
-    let distance = light.offset_from(caster.bounds.center()).length();
     let is_fan_smaller = volume.sides.len() <= volume.light_cap.len();
-    if is_fan_smaller && distance >= FAN_RADII * caster.bounds.radius() {
-        triangles.extend(volume.sides.iter().map(|&[a, b]| [far(b), far(a), Block::MIDDLE]));
-        return;
+    if is_fan_smaller && is_fan_narrow(&caster.bounds, light) {
+        add_fan(triangles, block, &volume.sides);
+    } else {
+        add_at_infinity(triangles, block, &caster.positions, volume.light_cap.iter().copied(), light);
     }
-    for &[a, b, c] in &volume.light_cap {
-        let away = |i: u32| -light.offset_from(caster.positions[i as usize].as_dvec3());
+}
+
+/// Whether a dark cap may be a fan about the middle of the caster.
+pub(super) fn is_fan_narrow(bounds: &Bounds, light: LightPosition) -> bool {
+    light.offset_from(bounds.center()).length() >= FAN_RADII * bounds.radius()
+}
+
+/// The dark cap as a fan over `sides`.
+pub(super) fn add_fan(triangles: &mut Vec<[u32; 3]>, block: Block, sides: &[[u32; 2]]) {
+    triangles.extend(sides.iter().map(|&[a, b]| [block.far(b), block.far(a), Block::MIDDLE]));
+}
+
+/// The dark cap as the `chain` at infinity, of triangles of `positions`.
+pub(super) fn add_at_infinity(
+    triangles: &mut Vec<[u32; 3]>,
+    block: Block,
+    positions: &[Vec3],
+    chain: impl Iterator<Item = [u32; 3]>,
+    light: LightPosition,
+) {
+    let far = |i| block.far(i);
+    for [a, b, c] in chain {
+        let away = |i: u32| -light.offset_from(positions[i as usize].as_dvec3());
         match fan_axis([away(a), away(b), away(c)]) {
             None => triangles.push([far(a), far(c), far(b)]),
             Some(m) => triangles.extend([[far(a), far(c), m], [far(c), far(b), m], [far(b), far(a), m]]),

@@ -6,7 +6,8 @@
 //! ```text
 //!   options    what may be left out                 plan         fates, batches
 //!   casters    vertices, uploaded once              caster_plan  one caster's silhouette, volume and case
-//!   spheres    volumes of spheres, as vertices      emit         faces as indices
+//!   spheres    volumes of spheres, as vertices      smooth_plan  the same of a smooth body
+//!                                                   emit         faces as indices
 //!   pipelines  stencil states                       report       what was drawn and why
 //!   tally      counts and fill as numbers           found        silhouettes found on the GPU
 //! ```
@@ -21,6 +22,7 @@ mod options;
 mod pipelines;
 pub(crate) mod plan;
 mod report;
+pub(crate) mod smooth_plan;
 pub(crate) mod spheres;
 mod tally;
 
@@ -32,7 +34,7 @@ pub use casters::ShadowCasters;
 #[cfg(test)]
 pub(crate) use found::RESULT_BYTES;
 pub use found::{FoundShadows, FoundSilhouette, ShadowSums};
-pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource};
+pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource, Smooth};
 pub use pipelines::ShadowTarget;
 pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};
 pub(crate) use tally::{Tally, TallyKind};
@@ -89,6 +91,8 @@ pub struct ShadowLight {
     short: Option<wgpu::Buffer>,
     long: Option<wgpu::Buffer>,
     loose: Option<wgpu::Buffer>,
+    /// Vertices and indices of smooth silhouettes.
+    smooth: [Option<wgpu::Buffer>; 2],
     /// Of silhouettes found on the GPU.
     drawn_with: Option<DrawnWith>,
     /// What is drawn and why.
@@ -187,7 +191,7 @@ impl Shadows {
             cpu_ms,
             rect: plan.rect,
             batches: plan.batches.len(),
-            index_bytes: plan.indices.bytes(),
+            index_bytes: plan.indices.bytes() + size_of_val(plan.smooth_indices.as_slice()),
         };
         let upload = |label, bytes: &[u8], usage| {
             gpu.ensure_buffer_fits(bytes.len())?;
@@ -212,6 +216,10 @@ impl Shadows {
             short: upload("short indices", bytemuck::cast_slice(&plan.indices.short), wgpu::BufferUsages::INDEX)?,
             long: upload("long indices", bytemuck::cast_slice(&plan.indices.long), wgpu::BufferUsages::INDEX)?,
             loose: upload("sphere volumes", bytemuck::cast_slice(&plan.loose), wgpu::BufferUsages::VERTEX)?,
+            smooth: [
+                upload("smooth vertices", bytemuck::cast_slice(&plan.smooth_vertices), wgpu::BufferUsages::VERTEX)?,
+                upload("smooth indices", bytemuck::cast_slice(&plan.smooth_indices), wgpu::BufferUsages::INDEX)?,
+            ],
             drawn_with: None,
             plan,
             report,
@@ -276,7 +284,7 @@ impl Shadows {
             draw_batch(pass, batch, casters, light, |part| self.pipelines.counting(part));
             self.draw_found(pass, light, &light.plan.found[batch.found.clone()]);
             if i + 1 < light.plan.batches.len() {
-                self.fold(pass, rect);
+                self.fold(pass, batch.rect.unwrap_or(rect));
             }
         }
         set_scissor(pass, rect);
@@ -321,12 +329,16 @@ fn draw_batch<'a, 'l>(
         if last.is_none_or(|last| last.source != draw.source) {
             let of_source =
                 |buffer: &'l Option<wgpu::Buffer>| buffer.as_ref().expect("what is drawn was uploaded").slice(..);
-            if draw.source == Source::Loose {
-                pass.set_vertex_buffer(0, of_source(&light.loose));
-            } else {
-                pass.set_vertex_buffer(0, casters.vertices.slice(..));
-            }
+            pass.set_vertex_buffer(
+                0,
+                match draw.source {
+                    Source::Loose => of_source(&light.loose),
+                    Source::Smooth => of_source(&light.smooth[0]),
+                    Source::Short | Source::Long => casters.vertices.slice(..),
+                },
+            );
             match draw.source {
+                Source::Smooth => pass.set_index_buffer(of_source(&light.smooth[1]), wgpu::IndexFormat::Uint32),
                 Source::Short => pass.set_index_buffer(of_source(&light.short), wgpu::IndexFormat::Uint16),
                 Source::Long => pass.set_index_buffer(of_source(&light.long), wgpu::IndexFormat::Uint32),
                 Source::Loose => {}

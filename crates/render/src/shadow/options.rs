@@ -1,6 +1,6 @@
 //! How shadows are determined, and what may be left out of it. Every choice but [`Method::ZPass`] gives the same verdicts.
 
-use umbrae_core::FinderKind;
+use umbrae_core::{Bounds, Camera, FinderKind, OnScreen, Precision, Smoothness};
 
 /// How volumes are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,12 +53,45 @@ pub enum SilhouetteSource {
     GpuBasic,
 }
 
+/// How finely smooth silhouettes are cut, for casters that were given as smooth bodies ([`crate::ShadowCasters::give_body`]); others cast the exact shadow
+/// of their triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Smooth {
+    /// Not: all casters cast the shadows of their triangles.
+    Off,
+    /// Along the accurate silhouette on the mesh (A. Hertzmann and D. Zorin 2000), neither moved nor cut.
+    Accurate,
+    /// Along the curves of O. Mattausch et al. 2012.
+    Curved {
+        /// How far a curve may be off in the world, metres; more than 0.
+        epsilon_m: f64,
+        /// And its shadow on the picture, pixels; `None` if that does not matter.
+        epsilon_px: Option<f64>,
+    },
+}
+
+impl Smooth {
+    /// What silhouettes follow, for shadows within `receivers` that `camera` looks at; `None` for those of triangles.
+    pub fn smoothness(self, camera: &Camera, receivers: Bounds) -> Option<Smoothness> {
+        match self {
+            Self::Off => None,
+            Self::Accurate => Some(Smoothness::Accurate),
+            Self::Curved { epsilon_m, epsilon_px } => {
+                let on_screen = |epsilon_px| OnScreen::of_camera(camera, receivers, epsilon_px);
+                Some(Smoothness::Smooth(Precision { epsilon_m, on_screen: epsilon_px.map(on_screen) }))
+            }
+        }
+    }
+}
+
 /// What is left out because it can't change a pixel, each with a switch so that its worth can be measured and its correctness
 /// tested.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadowOptions {
     /// How volumes are counted.
     pub method: Method,
+    /// Whose silhouettes volumes are extruded from.
+    pub smooth: Smooth,
     /// Where silhouettes are found.
     pub silhouettes: SilhouetteSource,
     /// A light whose reach is out of the view draws nothing.
@@ -84,6 +117,7 @@ impl Default for ShadowOptions {
     fn default() -> Self {
         Self {
             method: Method::Auto,
+            smooth: Smooth::Off,
             silhouettes: SilhouetteSource::Auto,
             cull_lights: true,
             cull_unreached: true,
@@ -108,6 +142,7 @@ impl ShadowOptions {
     pub fn without_culling(method: Method) -> Self {
         Self {
             method,
+            smooth: Smooth::Off,
             silhouettes: SilhouetteSource::Auto,
             cull_lights: false,
             cull_unreached: false,
@@ -134,7 +169,12 @@ impl ShadowOptions {
             ("selecting light mark", Self { light_mark: LightMark::Select, ..self }),
             (
                 "nothing is left out",
-                Self { silhouettes: self.silhouettes, soft: self.soft, ..Self::without_culling(self.method) },
+                Self {
+                    silhouettes: self.silhouettes,
+                    smooth: self.smooth,
+                    soft: self.soft,
+                    ..Self::without_culling(self.method)
+                },
             ),
         ]
         .into_iter()

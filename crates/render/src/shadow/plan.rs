@@ -15,12 +15,13 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 use umbrae_core::{Bounds, Camera, CaseChooser, Caster, Culler, Light, PixelRect, Reach, Sphere, Windings};
 
-use super::caster_plan::CasterPlanner;
+use super::caster_plan::{CasterOutline, CasterPlanner};
 use super::casters::{ShadowCasters, VolumeVertex};
 use super::emit::{Indices, Part};
 use super::found::FoundDraw;
 use super::options::{LightMark, ShadowOptions};
 use super::report::{CasterReport, Fate};
+use super::smooth_plan::{SmoothOutline, SmoothPlanner};
 use super::spheres::{is_shut_in, rounded_to_f32};
 
 /// Seven bits count; the eighth is the mark.
@@ -77,6 +78,9 @@ pub(crate) struct Plan {
     pub(crate) indices: Indices,
     /// The faces of spheres' volumes, three vertices each.
     pub(crate) loose: Vec<VolumeVertex>,
+    /// Blocks of what smooth silhouettes are made of, and triangles of these.
+    pub(crate) smooth_vertices: Vec<VolumeVertex>,
+    pub(crate) smooth_indices: Vec<u32>,
     pub(crate) casters: Vec<CasterReport>,
     pub(crate) spheres: Vec<CasterReport>,
 }
@@ -98,6 +102,8 @@ pub(crate) struct Batch {
     pub(crate) draws: Vec<Draw>,
     /// Of [`Plan::found`].
     pub(crate) found: std::ops::Range<usize>,
+    /// Where it counts, if that is known to be less than the light's rectangle.
+    pub(crate) rect: Option<PixelRect>,
     overlaps: u32,
 }
 
@@ -108,8 +114,16 @@ pub(crate) enum Source {
     Long,
     /// 16-bit indices.
     Short,
+    /// 32-bit indices of [`Plan::smooth_vertices`].
+    Smooth,
     /// Vertices in a row, without indices.
     Loose,
+}
+
+/// A caster with its silhouette.
+enum Outlined<'a> {
+    Discrete(CasterPlanner<'a>, CasterOutline),
+    Smooth(SmoothPlanner<'a>, SmoothOutline),
 }
 
 /// Triangles of one caster that are counted in one way.
@@ -139,24 +153,43 @@ impl Plan {
         let Some(scope) = plan.start(casters, seen, light, options) else { return plan };
         let (culler, chooser, rect) = (&scope.culler, &scope.chooser, scope.rect);
         let windings = seen.windings(casters);
+        let smoothness = options.smooth.smoothness(&seen.camera, seen.bounds);
         // What takes time is done for all casters at once; what is drawn then comes in their order.
         let outlined: Vec<_> = (0..casters.len())
             .into_par_iter()
             .map(|i| {
-                let rect = casting_rect(&casters[i], culler, options, rect)?;
                 let (caster, windings, block) = (&casters[i], &windings[i], uploaded.blocks[i]);
+                if let (Some(smoothness), Some(body)) = (&smoothness, uploaded.body(i)) {
+                    let light_rect = rect;
+                    let planner = SmoothPlanner { caster, body, windings, block, culler, chooser, light_rect };
+                    if let Some(outline) = planner.outline(light.position, smoothness, options)? {
+                        return Ok(Outlined::Smooth(planner, outline));
+                    }
+                }
+                let rect = casting_rect(caster, culler, options, rect)?;
                 let planner = CasterPlanner { caster, windings, block, culler, chooser, rect };
                 let outline = planner.outline(&uploaded.silhouettes[i], light, options);
-                Ok((planner, outline))
+                Ok(Outlined::Discrete(planner, outline))
             })
             .collect();
-        for outlined in outlined {
-            let report = match outlined {
+        // Counts of smooth volumes may be below 0 in places, and would take from others: they come last, each in a batch of its own.
+        let (mut reports, mut smooth) = (Vec::new(), Vec::new());
+        for (i, outlined) in outlined.into_iter().enumerate() {
+            reports.push(match outlined {
                 Err(fate) => CasterReport::of_fate(fate),
-                Ok((planner, outline)) => planner.add_to(&mut plan, &outline, light.position, options),
-            };
-            plan.casters.push(report);
+                Ok(Outlined::Discrete(planner, outline)) => {
+                    planner.add_to(&mut plan, &outline, light.position, options)
+                }
+                Ok(Outlined::Smooth(planner, outline)) => {
+                    smooth.push((i, planner, outline));
+                    CasterReport::of_fate(Fate::Unseen)
+                }
+            });
         }
+        for (i, planner, outline) in smooth {
+            reports[i] = planner.add_to(&mut plan, &outline, light.position, options);
+        }
+        plan.casters.extend(reports);
         plan.add_spheres(seen, light.position, (culler, chooser), options, rect);
         plan.sort();
         plan
@@ -173,6 +206,8 @@ impl Plan {
             summed: Vec::new(),
             indices: Indices::default(),
             loose: Vec::new(),
+            smooth_vertices: Vec::new(),
+            smooth_indices: Vec::new(),
             casters: Vec::new(),
             spheres: Vec::new(),
         }
@@ -199,6 +234,8 @@ impl Plan {
         self.summed.clear();
         self.indices.clear();
         self.loose.clear();
+        self.smooth_vertices.clear();
+        self.smooth_indices.clear();
         self.casters.clear();
         self.spheres.clear();
         let Some(rect) = self.rect else {
@@ -227,6 +264,13 @@ impl Plan {
     /// Whether there is a batch with room for volumes that overlap so many times.
     pub(super) fn has_room(&self, overlaps: u32) -> bool {
         self.batches.last().is_some_and(|batch| batch.overlaps + overlaps <= MOST_OVERLAPS)
+    }
+
+    /// A batch that nothing else is counted in, and that counts within `rect` alone.
+    pub(super) fn batch_alone(&mut self, rect: PixelRect) -> &mut Batch {
+        let end = self.found.len();
+        self.batches.push(Batch { found: end..end, rect: Some(rect), overlaps: MOST_OVERLAPS, ..Batch::default() });
+        self.batches.last_mut().expect("one was pushed")
     }
 
     /// A batch with room for volumes that overlap so many times, which is made if need be.

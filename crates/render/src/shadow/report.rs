@@ -44,6 +44,8 @@ pub struct FaceCounts {
     pub silhouette_edges: usize,
     /// Triangles drawn for the sides.
     pub side_triangles: usize,
+    /// Triangles drawn between the silhouette of a smooth body and its mesh.
+    pub closing_triangles: usize,
     /// Triangles drawn for the dark cap.
     pub dark_cap_triangles: usize,
     /// Triangles drawn for the light cap.

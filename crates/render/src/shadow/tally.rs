@@ -103,7 +103,7 @@ impl Tally {
             self.shadows.start(pass, batch, rect);
             draw_batch(pass, batch, casters, light, |part| self.shadows.pipelines.counting(part));
             if i + 1 < light.plan.batches.len() {
-                self.shadows.fold(pass, rect);
+                self.shadows.fold(pass, batch.rect.unwrap_or(rect));
             }
         }
     }

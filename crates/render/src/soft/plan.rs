@@ -5,12 +5,15 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use umbrae_core::{Bounds, Case, CaseChooser, Caster, Culler, Extent, Light, PixelRect, ShadowVolume, Sphere};
+use umbrae_core::{
+    Bounds, Case, CaseChooser, Caster, Culler, Extent, Light, PixelRect, ShadowVolume, SmoothBody, SmoothVolume, Sphere,
+};
 
 use crate::shadow::caster_plan::CasterPlanner;
 use crate::shadow::casters::{Block, VolumeVertex};
 use crate::shadow::emit::add_dark_cap;
 use crate::shadow::plan::{Seen, rect_by_culling, unseen_light, volume_vertex};
+use crate::shadow::smooth_plan::smooth_volume;
 use crate::shadow::spheres::{ERROR_PX, is_shut_in};
 use crate::{CasterReport, Fate, ShadowCasters, ShadowOptions, Why};
 
@@ -95,6 +98,7 @@ impl SoftPlan {
         };
         let chooser = CaseChooser::new(&seen.camera, light.position, &seen.bounds);
         let windings = seen.windings(casters);
+        let smoothness = options.smooth.smoothness(&seen.camera, seen.bounds);
         let penumbra_rect = |bounds: &Bounds| {
             let wide = widened(bounds, spread_m(light, bounds, &seen.bounds));
             let rect = rect_by_culling(&wide, &culler, options, rect)?;
@@ -112,8 +116,16 @@ impl SoftPlan {
                 if !caster.role.casts {
                     return Err(Fate::NotCasting);
                 }
-                let rect = penumbra_rect(&caster.bounds)?;
+                // What is smooth may bulge.
+                let rect = penumbra_rect(&uploaded.body(i).map_or(caster.bounds, SmoothBody::loose_bounds))?;
                 let (windings, block) = (&windings[i], uploaded.blocks[i]);
+                let smooth = smoothness.as_ref().zip(uploaded.body(i)).and_then(|(smoothness, body)| {
+                    let volume = smooth_volume(caster, body, windings, light.position, smoothness)?;
+                    Some((Outline::of_smooth(caster, body, &volume, light), volume.bounds(caster)))
+                });
+                if let Some((outline, bounds)) = smooth {
+                    return Ok((outline, penumbra_rect(&bounds)?));
+                }
                 let (culler, chooser) = (&culler, &chooser);
                 let planner = CasterPlanner { caster, windings, block, culler, chooser, rect };
                 let (volume, case, why) = planner.whole(&uploaded.silhouettes[i], light, options);
@@ -193,6 +205,25 @@ impl Outline {
             outline.caps.extend(light_cap);
         }
         outline
+    }
+
+    /// Always by z-fail, with both caps: folds and fins are behind what is seen where depth says so.
+    fn of_smooth(caster: &Caster, body: &SmoothBody, volume: &SmoothVolume, light: &Light) -> Self {
+        let (positions, flat) = volume.flattened(body, caster);
+        let block = Block { first_vertex: 0, position_count: positions.len() as u32 };
+        let around = Caster { positions, bounds: volume.bounds(caster), ..caster.clone() };
+        let segments = volume.sides.iter().map(|side| side.map(|p| volume.points[p as usize])).collect();
+        let mut dark_cap = Vec::new();
+        if !light.position.is_directional() {
+            add_dark_cap(&mut dark_cap, &around, block, &flat, light.position);
+        }
+        let near = |triangles: &[[u32; 3]]| -> Vec<VolumeVertex> {
+            triangles.as_flattened().iter().map(|&i| around.positions[i as usize].extend(0.0).to_array()).collect()
+        };
+        let (cap, faces) = flat.light_cap.split_at(flat.light_cap.len() - volume.faces.len());
+        let mut caps: Vec<VolumeVertex> = dark_cap.as_flattened().iter().map(|&i| block.vertex(i, &around)).collect();
+        caps.extend(near(cap));
+        Self { segments, caps, compared_caps: near(faces), case: Case::Fail, why: Why::Method }
     }
 
     /// Always by z-fail, with both caps: the light cap is no visible surface, and there are few triangles. `None` if the light is in the sphere.

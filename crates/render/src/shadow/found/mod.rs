@@ -343,6 +343,7 @@ impl FoundLight {
                 short: None,
                 long: None,
                 loose: None,
+                smooth: [None, None],
                 drawn_with: None,
                 report: LightReport {
                     casters: Vec::new(),

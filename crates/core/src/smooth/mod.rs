@@ -1,0 +1,30 @@
+//! Shadow boundaries that do not show how finely a mesh is cut: silhouettes of the smooth surface that its vertex normals tell of.
+//!
+//! ```text
+//!   normals      one for each corner, given or computed, with creases
+//!   body         the mesh split at creases, once for all lights
+//!   curve        the cubic between two points with known normals
+//!   islands      small parts that are turned the wrong way
+//!   parts        objects cut into what is smooth and what is not
+//!   precision    how finely it must be cut: in the world, and on the picture
+//!   tessellate   the curved surface itself, as a finer mesh
+//!   volume       the silhouette of a body under a light, and the volume that it closes
+//! ```
+//!
+//! Source: O. Mattausch, D. Scherzer, M. Wimmer and T. Igarashi, "Tessellation-independent smooth shadow boundaries", 2012.
+
+mod body;
+mod curve;
+mod islands;
+mod normals;
+mod parts;
+mod precision;
+mod tessellate;
+#[cfg(test)]
+mod tests;
+mod volume;
+
+pub use body::{NotSmooth, SmoothBody};
+pub use normals::{corner_normals, given_normals};
+pub use precision::{OnScreen, Precision};
+pub use volume::{SmoothScratch, SmoothVolume, Smoothness};

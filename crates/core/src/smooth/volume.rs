@@ -1,0 +1,571 @@
+//! The shadow volume of a smooth body: extruded from its smooth silhouette, closed where that leaves the mesh.
+//!
+//! ```text
+//!            p0 ----- p1 ----- p2          a triangle with a corner d that is turned away from the light. It is
+//!           /|  fin        .-'/            in the light cap as a whole; the fold takes away what lies behind
+//!     lit  / | . - ' - '     / lit         the accurate silhouette (q0 .. q2, moved into the body a little),
+//!         q0 ---------------q2             the fin rises from there to the smooth silhouette (p0 p1 p2),
+//!           \     fold     /               and from that the sides go to infinity. Its neighbours share
+//!             \          /                 the path d, q0, p0 and the path p2, q2, d.
+//!               \      /
+//!                  d
+//! ```
+//!
+//! Light cap, folds and fins together have the smooth silhouette as their boundary, whatever the normals and the rounding: each closes a cycle of
+//! directed edges that its neighbours walk the other way. So the volume is closed, on any closed mesh.
+//!
+//! Source: O. Mattausch et al. 2012, section 4. Departures: the light cap has whole triangles, those with any corner turned to the light, so that it covers the very
+//! pixels that the surface covers; what is between it and the accurate silhouette is dark by its normals, whatever is counted there. One triangle fans over
+//! each fin, where the paper has a strip to a point of the accurate silhouette for each one of the smooth. The paper's offset of 0.15 against light leaks
+//! is here a part of the edge's length, and of the fold alone: the smooth silhouette stays where it is.
+
+use glam::{DVec3, Vec3};
+
+use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, needs_light_cap};
+
+use super::body::{Crease, Side, SmoothBody};
+use super::curve::Curve;
+use super::islands::Islands;
+use super::precision::Precision;
+
+/// How far the fold is moved into the body, in lengths of the edge that it meets.
+const INSET: f64 = 0.02;
+/// And at most, in radii of the body.
+const MOST_INSET: f64 = 2e-3;
+
+/// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
+const EDGE_ON: f32 = 1e-5;
+
+/// How much of a triangle's area may be turned the wrong way.
+const UNSOUND: f64 = 0.05;
+
+/// So often a crossing is improved.
+const STEPS: u32 = 3;
+
+/// Which silhouette a volume is extruded from: the curves of Mattausch et al. 2012, or what they start from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Smoothness {
+    /// Where normals interpolated along the mesh's edges turn away from the light; on the mesh itself (A. Hertzmann and D. Zorin 2000).
+    Accurate,
+    /// Moved onto the curved surface that the normals tell of, and cut as finely as that is curved.
+    Smooth(Precision),
+}
+
+/// What is extruded and what closes it, in points of its own.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SmoothVolume {
+    /// Scene space; what the others are made of. Some are vertices of the caster.
+    pub points: Vec<Vec3>,
+    /// The silhouette, each piece as the lit side walks it. As many arrive at a point as leave it.
+    pub sides: Vec<[u32; 2]>,
+    /// Folds and fins.
+    pub faces: Vec<[u32; 3]>,
+    /// Vertices of the caster that are among the points, and which they are.
+    pub vertices: Vec<(u32, u32)>,
+    /// Triangles that are taken for flat, ascending, and whether they face the light; see [`Maker::is_sound`].
+    flat: Vec<(u32, bool)>,
+    /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
+    turned: Vec<i8>,
+}
+
+/// What is needed while a volume is made; kept, so that none is asked for in each frame.
+#[derive(Debug, Default, Clone)]
+pub struct SmoothScratch {
+    found: Vec<[u32; 2]>,
+    crossings: Vec<Crossing>,
+    /// For each wedge edge its crossing; `NONE` but while a volume is made.
+    crossing_of_edge: Vec<u32>,
+    point_of_vertex: Vec<u32>,
+    curve: Vec<u32>,
+    islands: Islands,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Where the silhouette crosses a wedge edge.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    edge: u32,
+    /// From the caster's lower vertex to the higher.
+    u: f64,
+    /// On the curve that the edge stands for.
+    smooth: DVec3,
+    normal: DVec3,
+    /// Of [`SmoothVolume::points`].
+    p: u32,
+    q: u32,
+}
+
+impl SmoothVolume {
+    /// The volume of `body` under `light`.
+    ///
+    /// Linear in the number of silhouette edges but for the search, which is [`crate::NormalFinder`]'s, and one look at each vertex and crease.
+    pub fn new(body: &SmoothBody, light: LightPosition, smoothness: &Smoothness) -> Self {
+        let mut volume = Self::default();
+        volume.make(body, light, smoothness, &mut SmoothScratch::default());
+        volume
+    }
+
+    /// The same in the memory that there is.
+    pub fn make(
+        &mut self,
+        body: &SmoothBody,
+        light: LightPosition,
+        smoothness: &Smoothness,
+        scratch: &mut SmoothScratch,
+    ) {
+        self.points.clear();
+        self.sides.clear();
+        self.faces.clear();
+        self.vertices.clear();
+        self.flat.clear();
+        body.finder.turned(light, &mut self.turned);
+        body.finder.find(light, &mut scratch.found);
+        scratch.islands.settle(body, light, &mut self.turned, &mut scratch.found);
+        scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
+        scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
+        scratch.crossings.clear();
+        let found = std::mem::take(&mut scratch.found);
+        let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
+        maker.add_triangles(&found);
+        maker.volume.flat.sort_unstable();
+        for crease in &body.creases {
+            maker.add_crease(crease);
+        }
+        for crease in maker.seams() {
+            maker.add_crease(&crease);
+        }
+        for crossing in &scratch.crossings {
+            scratch.crossing_of_edge[crossing.edge as usize] = NONE;
+        }
+        for &(vertex, _) in &self.vertices {
+            scratch.point_of_vertex[vertex as usize] = NONE;
+        }
+        scratch.found = found;
+    }
+
+    /// Whether triangle `t` is in the light cap: any of its corners is turned to the light, or it is taken for flat and faces it.
+    fn is_in_cap(&self, body: &SmoothBody, t: usize) -> bool {
+        if let Ok(i) = self.flat.binary_search_by_key(&(t as u32), |flat| flat.0) {
+            return self.flat[i].1;
+        }
+        body.wedges.mesh.triangles()[t].iter().any(|&w| self.turned[w as usize] > 0)
+    }
+
+    /// The light cap. Linear in the number of triangles.
+    pub fn chain(&self, body: &SmoothBody) -> Chain {
+        let triangles = 0..body.wedges.mesh.triangles().len();
+        Chain::from_coefficients(triangles.map(|t| i8::from(self.is_in_cap(body, t))).collect())
+    }
+
+    /// The same volume as one over a caster whose positions are those of `caster` and then the points of this: with folds and fins in its
+    /// light cap. For counting on the CPU.
+    pub fn flattened(&self, body: &SmoothBody, caster: &Caster) -> (Vec<Vec3>, ShadowVolume) {
+        let first = caster.positions.len() as u32;
+        let mut renamed: Vec<u32> = (first..first + self.points.len() as u32).collect();
+        for &(vertex, point) in &self.vertices {
+            renamed[point as usize] = vertex;
+        }
+        let name = |p: u32| renamed[p as usize];
+        let triangles = caster.mesh.triangles().iter().enumerate();
+        let cap = triangles.filter(|&(t, _)| self.is_in_cap(body, t)).map(|(_, &corners)| corners);
+        let light_cap: Vec<[u32; 3]> = cap.chain(self.faces.iter().map(|face| face.map(name))).collect();
+        let sides = self.sides.iter().map(|side| side.map(name)).collect();
+        let positions = [caster.positions.as_slice(), &self.points].concat();
+        (positions, ShadowVolume { sides, most_triangles: light_cap.len(), light_cap })
+    }
+
+    /// A number that the count of the volume is nowhere above, nor below its negative, so that a narrow counter is used only where it can't wrap.
+    ///
+    /// A count is what the silhouette winds around the ray from the light, less what faces behind the point add to it and more what they take away: no
+    /// more of these than there are faces, on one ray, that are turned away from the light. Linear in the number of triangles.
+    pub fn most_overlaps(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> u32 {
+        let (positions, volume) = if needs_light_cap(caster, light) {
+            self.flattened(body, caster)
+        } else {
+            let sides = self.sides.clone();
+            (self.points.clone(), ShadowVolume { sides, light_cap: Vec::new(), most_triangles: usize::MAX >> 1 })
+        };
+        let bounds = self.bounds(caster);
+        let (mesh, topology) = (caster.mesh.clone(), caster.topology.clone());
+        let (name, shading_normals, role) = (String::new(), Vec::new(), caster.role);
+        let around = Caster { name, mesh, topology, positions, bounds, role, shading_normals };
+        crate::most_overlaps(&around, &volume, light)
+            .saturating_add(most_stacked(&self.turned_away(body, caster, light), light))
+    }
+
+    /// The box of the caster, and of the silhouette, which may bulge out of it.
+    pub fn bounds(&self, caster: &Caster) -> Bounds {
+        caster.bounds.union(Bounds::of_points(self.points.iter().map(|p| p.as_dvec3())))
+    }
+
+    /// The faces and the triangles of the light cap that show the light their backs.
+    fn turned_away(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> Vec<[DVec3; 3]> {
+        let is_away = |[a, b, c]: &[Vec3; 3]| {
+            let homogeneous = light.homogeneous().as_vec4();
+            let (normal, to_light) = ((*b - *a).cross(*c - *a), homogeneous.truncate() - *a * homogeneous.w);
+            normal.dot(to_light) <= EDGE_ON * normal.length() * to_light.length()
+        };
+        let cap = (0..caster.mesh.triangles().len()).filter(|&t| self.is_in_cap(body, t)).map(|t| caster.corners(t));
+        let faces = self.faces.iter().map(|face| face.map(|p| self.points[p as usize]));
+        cap.chain(faces).filter(is_away).map(|corners| corners.map(Vec3::as_dvec3)).collect()
+    }
+
+    /// The silhouette as closed loops of points, each without its first one again.
+    ///
+    /// Where several pass one point, which of them goes on where is arbitrary, but the same on every run.
+    pub fn loops(&self) -> Vec<Vec<u32>> {
+        let mut sorted = self.sides.clone();
+        sorted.sort_unstable();
+        let mut is_walked = vec![false; sorted.len()];
+        let mut loops = Vec::new();
+        for start in 0..sorted.len() {
+            let mut at = start;
+            let mut corners = Vec::new();
+            while !is_walked[at] {
+                is_walked[at] = true;
+                let [from, to] = sorted[at];
+                corners.push(from);
+                let first = sorted.partition_point(|side| side[0] < to);
+                let next = (first..sorted.len()).take_while(|&i| sorted[i][0] == to).find(|&i| !is_walked[i]);
+                at = next.unwrap_or(start);
+            }
+            if !corners.is_empty() {
+                loops.push(corners);
+            }
+        }
+        loops
+    }
+}
+
+struct Maker<'a> {
+    volume: &'a mut SmoothVolume,
+    body: &'a SmoothBody,
+    light: LightPosition,
+    smoothness: &'a Smoothness,
+    scratch: &'a mut SmoothScratch,
+    radius_m: f64,
+}
+
+impl Maker<'_> {
+    fn is_turned(&self, w: u32) -> bool {
+        self.volume.turned[w as usize] > 0
+    }
+
+    fn add_triangles(&mut self, found: &[[u32; 2]]) {
+        for &[turned, other] in found {
+            let topology = &self.body.wedges.topology;
+            let Some(e) = topology.edge_between(turned, other) else { continue };
+            let is_upward = turned < other;
+            for (t, direction) in topology.triangles_on_edge(e) {
+                // Each triangle that the silhouette crosses is left by it once, over an edge that goes from light to dark.
+                if (direction > 0) == is_upward {
+                    self.add_triangle(t, e, turned);
+                }
+            }
+        }
+    }
+
+    /// Triangle `t`, whose edge `exit` goes from `turned` to a wedge that is not.
+    fn add_triangle(&mut self, t: usize, exit: usize, turned: u32) {
+        let corners = self.body.wedges.mesh.triangles()[t];
+        let k = corners.iter().position(|&w| w == turned).expect("the edge is the triangle's");
+        let [first, second, third] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+        let has_two_turned = self.is_turned(third);
+        let entry = if has_two_turned { [second, third] } else { [third, first] };
+        let entry = self.body.wedges.topology.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
+        let (a, b) = (self.crossing(exit), self.crossing(entry));
+        // The edge that is not crossed, in the direction of the curve.
+        let beside = [if has_two_turned { first } else { second }, third];
+        self.add_curve(a, b, beside);
+        let dark_corners = if has_two_turned { vec![second] } else { vec![second, third] };
+        let lit_corners = if has_two_turned { vec![third, first] } else { vec![first] };
+        let [p, q, r] = corners.map(|w| self.body.place(w));
+        let area = (q - p).cross(r - p);
+        if !self.is_sound(&lit_corners, &dark_corners, area.length()) {
+            let is_facing = area.dot(self.light.offset_from((p + q + r) / 3.0)) > 0.0;
+            self.volume.flat.push((t as u32, is_facing));
+            return;
+        }
+        let dark = [third, second].map(|w| self.vertex(self.body.vertex_of_wedge[w as usize]));
+        // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
+        let foot = a.q;
+        for i in 1..self.scratch.curve.len() {
+            let [from, to] = [self.scratch.curve[i - 1], self.scratch.curve[i]];
+            self.volume.sides.push([from, to]);
+            self.volume.faces.push([foot, from, to]);
+        }
+        self.volume.faces.push([foot, b.p, b.q]);
+        if has_two_turned {
+            self.volume.faces.push([foot, b.q, dark[1]]);
+        } else {
+            self.volume.faces.extend([[foot, b.q, dark[0]], [foot, dark[0], dark[1]]]);
+        }
+    }
+
+    /// Whether the part of a triangle on the lit side of the scratch's curve shows the light its front, and the other its back, as the curved surface does that has
+    /// the curve for its silhouette.
+    ///
+    /// A triangle that is thin or beside a crease may not be bent as far as its normals say. Its lit part would then count -1 where another counts 1, and light
+    /// would leak through. Such a triangle is taken for flat, with its edges for creases.
+    fn is_sound(&self, lit_corners: &[u32], dark_corners: &[u32], area: f64) -> bool {
+        let place = |&p: &u32| self.volume.points[p as usize].as_dvec3();
+        let curve = || self.scratch.curve.iter().map(place);
+        let corners = |corners: &[u32]| corners.iter().map(|&w| self.body.place(w)).collect::<Vec<_>>();
+        let (lit, dark) = (corners(lit_corners), corners(dark_corners));
+        let origin = lit[0];
+        let to_light = self.light.offset_from(origin);
+        let seen = |corners: &mut dyn Iterator<Item = DVec3>| {
+            let mut last = None;
+            let mut sum = DVec3::ZERO;
+            for p in corners.map(|p| p - origin) {
+                sum += last.map_or(DVec3::ZERO, |last: DVec3| last.cross(p));
+                last = Some(p);
+            }
+            sum.dot(to_light)
+        };
+        // The curve goes from the exit to the entry, with what is lit to its left; each polygon is closed by its first corner.
+        let lit_area = seen(&mut lit[lit.len() - 1..].iter().copied().chain(curve()).chain(lit.iter().copied()));
+        let dark_area =
+            seen(&mut dark[dark.len() - 1..].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
+        lit_area.min(dark_area) >= -UNSOUND * area * to_light.length()
+    }
+
+    /// The edges of triangles that are taken for flat over which the surface goes on, as if they were creases.
+    fn seams(&self) -> Vec<Crease> {
+        let topology = &self.body.wedges.topology;
+        let edges_of = |&(t, _): &(u32, bool)| {
+            let [a, b, c] = self.body.wedges.mesh.triangles()[t as usize];
+            [[a, b], [b, c], [c, a]].map(|[from, to]| topology.edge_between(from, to))
+        };
+        let mut edges: Vec<usize> = self.volume.flat.iter().flat_map(edges_of).flatten().collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges.into_iter().filter_map(|e| self.body.seam(e)).collect()
+    }
+
+    /// The points from `a` to `b`, both with, become the scratch's curve; `beside` are the ends of the third edge of their triangle.
+    fn add_curve(&mut self, a: Crossing, b: Crossing, beside: [u32; 2]) {
+        self.scratch.curve.clear();
+        self.scratch.curve.push(a.p);
+        if let Smoothness::Smooth(precision) = self.smoothness {
+            let curve = Curve::on_surface(a.smooth, b.smooth, [a.normal, b.normal]);
+            let crease = self.crease_beside(beside);
+            let nearness = [self.nearness(a, beside[0]), self.nearness(b, beside[1])];
+            let moved = |u: f64| {
+                // The surface bends with the crease at its border, of which normals say nothing; else one could cross the other.
+                crease.map_or(DVec3::ZERO, |crease| crease.bulge(u) * (nearness[0] + (nearness[1] - nearness[0]) * u))
+            };
+            let pieces = curve.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light));
+            let beside_pieces =
+                crease.map_or(1, |crease| crease.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light)));
+            self.add_inner_points(&curve, [0.0, 1.0], pieces.max(beside_pieces), moved);
+        }
+        self.scratch.curve.push(b.p);
+    }
+
+    /// The curve between two wedges, from the first to the second, if that is a crease.
+    fn crease_beside(&self, [from, to]: [u32; 2]) -> Option<Curve> {
+        let e = self.body.wedges.topology.edge_between(from, to)?;
+        let curve = self.body.crease_curve(e)?;
+        Some(if self.body.ends(e)[0] == from { curve } else { curve.reversed() })
+    }
+
+    /// 1 where a crossing is at wedge `w`, an end of its edge, and 0 where it is at the other end.
+    fn nearness(&self, crossing: Crossing, w: u32) -> f64 {
+        if self.body.ends(crossing.edge as usize)[0] == w { 1.0 - crossing.u } else { crossing.u }
+    }
+
+    /// Points of `curve` between `ends`, so that there are so many `pieces`, each moved by `moved`, are added to the scratch's curve.
+    fn add_inner_points(&mut self, curve: &Curve, ends: [f64; 2], pieces: u32, moved: impl Fn(f64) -> DVec3) {
+        for i in 1..pieces {
+            let u = ends[0] + (ends[1] - ends[0]) * f64::from(i) / f64::from(pieces);
+            let p = self.point(curve.at(u) + moved(u));
+            self.scratch.curve.push(p);
+        }
+    }
+
+    /// The crossing of wedge edge `e`, one of whose ends is turned to the light.
+    fn crossing(&mut self, e: usize) -> Crossing {
+        let known = self.scratch.crossing_of_edge[e];
+        if known != NONE {
+            return self.scratch.crossings[known as usize];
+        }
+        let ends = self.body.ends(e);
+        let [low, high] = ends.map(|w| self.body.height(w, self.light));
+        // Which end is turned to the light has been decided in f32, so that u may be beyond an end by rounding.
+        let u = low / (low - high);
+        let u = if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.5 };
+        let [start, end] = ends.map(|w| self.body.place(w));
+        let normals = ends.map(|w| self.body.normal(w));
+        let foot = start.lerp(end, u);
+        let inset_m = (INSET * start.distance(end)).min(MOST_INSET * self.radius_m);
+        let straight = normals[0].lerp(normals[1], u).normalize_or_zero();
+        let (u, smooth, normal) = match self.smoothness {
+            Smoothness::Accurate => (u, foot, straight),
+            Smoothness::Smooth(_) => {
+                let curve = self.body.curve_of_edge(e);
+                let u = refined(&curve, normals, self.light, [low, high], u);
+                (u, curve.at(u), curve.normal(u, normals))
+            }
+        };
+        let foot = start.lerp(end, u);
+        let (p, q) = (self.point(smooth), self.point(foot - straight * inset_m));
+        let crossing = Crossing { edge: e as u32, u, smooth, normal, p, q };
+        self.scratch.crossing_of_edge[e] = self.scratch.crossings.len() as u32;
+        self.scratch.crossings.push(crossing);
+        crossing
+    }
+
+    fn point(&mut self, place: DVec3) -> u32 {
+        self.volume.points.push(place.as_vec3());
+        self.volume.points.len() as u32 - 1
+    }
+
+    /// The point that is vertex `v` of the caster, of which `wedge` is one.
+    fn vertex(&mut self, v: u32) -> u32 {
+        let known = self.scratch.point_of_vertex[v as usize];
+        if known != NONE {
+            return known;
+        }
+        let p = self.volume.points.len() as u32;
+        self.volume.points.push(self.body.place_of_vertex(v));
+        self.volume.vertices.push((v, p));
+        self.scratch.point_of_vertex[v as usize] = p;
+        p
+    }
+
+    /// Whether the ends of an edge, the lower vertex first, are lit on that side of it.
+    fn lit_ends(&self, side: &Side) -> [bool; 2] {
+        match self.volume.flat.binary_search_by_key(&side.triangle, |flat| flat.0) {
+            Ok(i) => [self.volume.flat[i].1; 2],
+            Err(_) => self.body.ends(side.edge as usize).map(|w| self.is_turned(w)),
+        }
+    }
+
+    /// What is lit on one side of a crease and not on the other: its part of the silhouette runs along the crease.
+    fn add_crease(&mut self, crease: &Crease) {
+        let first = self.lit_ends(&crease.sides[0]);
+        if first[0] == first[1] && crease.sides.iter().all(|side| self.lit_ends(side) == first) {
+            return;
+        }
+        let [low, high] = crease.vertices.map(|v| self.vertex(v));
+        // Places along the crease in order, and how often what is lit begins there less ends there, as the sides walk.
+        let mut places: Vec<(f64, u32, i32)> = vec![(0.0, low, 0), (1.0, high, 0)];
+        let mut left_over: Vec<([u32; 2], i32)> = Vec::new();
+        for side in &crease.sides {
+            let (e, direction) = (side.edge, side.direction);
+            let mut walk = |path: &[u32]| left_over.extend(path.windows(2).map(|w| ([w[0], w[1]], direction)));
+            match self.lit_ends(side) {
+                [true, true] => {
+                    walk(&[low, high]);
+                    places[0].2 += direction;
+                    places[1].2 -= direction;
+                }
+                [true, false] => {
+                    let c = self.crossing(e as usize);
+                    walk(&[low, high, c.q, c.p]);
+                    places[0].2 += direction;
+                    places.push((c.u, c.p, -direction));
+                }
+                [false, true] => {
+                    let c = self.crossing(e as usize);
+                    walk(&[c.p, c.q, low, high]);
+                    places.push((c.u, c.p, direction));
+                    places[1].2 -= direction;
+                }
+                [false, false] => {}
+            }
+        }
+        // The crease's own ends stay the first and the last, whatever rounding has made of the others.
+        places[2..].sort_by(|a, b| a.0.total_cmp(&b.0));
+        places[1..].rotate_left(1);
+        self.add_runs(crease, &places, &mut left_over);
+        self.cone(low, &left_over);
+    }
+
+    /// The sides between `places` along the crease; they are taken from what is left over.
+    fn add_runs(&mut self, crease: &Crease, places: &[(f64, u32, i32)], left_over: &mut Vec<([u32; 2], i32)>) {
+        let e = crease.sides[0].edge as usize;
+        let mut times = 0;
+        for pair in places.windows(2) {
+            times += pair[0].2;
+            if times == 0 {
+                continue;
+            }
+            let [(from, start, _), (to, end, _)] = [pair[0], pair[1]];
+            self.scratch.curve.clear();
+            self.scratch.curve.push(start);
+            if let Smoothness::Smooth(precision) = self.smoothness {
+                let curve = self.body.curve_of_edge(e);
+                let sunk = self.sunk(crease, &curve);
+                let pieces = curve.pieces([from, to], precision.chord_m(curve.start, self.light));
+                self.add_inner_points(&curve, [from, to], pieces, |u| sunk * (4.0 * u * (1.0 - u)));
+            }
+            self.scratch.curve.push(end);
+            for i in 1..self.scratch.curve.len() {
+                let [a, b] = [self.scratch.curve[i - 1], self.scratch.curve[i]];
+                let side = if times > 0 { [a, b] } else { [b, a] };
+                self.volume.sides.extend(std::iter::repeat_n(side, times.unsigned_abs() as usize));
+                left_over.push(([a, b], -times));
+            }
+        }
+    }
+
+    /// By how much the middle of a crease is moved into the body: not at all but where the curve goes into it, along one of its faces, which would
+    /// then lie in the fin.
+    fn sunk(&self, crease: &Crease, curve: &Curve) -> DVec3 {
+        let normals = crease.sides.iter().flat_map(|side| self.body.ends(side.edge as usize));
+        let outward = normals.map(|w| self.body.normal(w)).sum::<DVec3>().normalize_or_zero();
+        let chord_m = curve.start.distance(curve.end);
+        let bulge_m = (curve.at(0.5) - curve.start.midpoint(curve.end)).dot(outward);
+        if bulge_m < -1e-6 * chord_m {
+            -outward * (INSET * chord_m).min(MOST_INSET * self.radius_m)
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Faces from `apex` whose boundary takes away the cycle `left_over`, whose edges are walked so often each.
+    fn cone(&mut self, apex: u32, left_over: &[([u32; 2], i32)]) {
+        let mut edges: Vec<([u32; 2], i32)> = left_over
+            .iter()
+            .map(|&([a, b], times)| if a < b { ([a, b], times) } else { ([b, a], -times) })
+            .filter(|([a, b], _)| a != b && *a != apex && *b != apex)
+            .collect();
+        edges.sort_unstable();
+        for group in edges.chunk_by(|a, b| a.0 == b.0) {
+            let [a, b] = group[0].0;
+            let times: i32 = group.iter().map(|(_, times)| times).sum();
+            let face = if times > 0 { [apex, b, a] } else { [apex, a, b] };
+            self.volume.faces.extend(std::iter::repeat_n(face, times.unsigned_abs() as usize));
+        }
+    }
+}
+
+/// Where the surface along `curve` turns away from `light`, from heights of opposite signs at its ends and a first guess.
+///
+/// The paper stops at the guess, which takes normals and places between vertices for linear. Between them the surface is curved, and where it
+/// is curved little along the light, a silhouette that is off by little on the surface is off by much in the shadow. Regula falsi, in the
+/// Illinois form, gains a digit or two in each step.
+fn refined(curve: &Curve, normals: [DVec3; 2], light: LightPosition, [low, high]: [f64; 2], guess: f64) -> f64 {
+    let height = |u: f64| curve.normal(u, normals).dot(light.offset_from(curve.at(u)));
+    let (mut a, mut b) = ((0.0, low), (1.0, high));
+    let mut u = guess;
+    for _ in 0..STEPS {
+        let h = height(u);
+        if (h > 0.0) == (a.1 > 0.0) {
+            a = (u, h);
+            b.1 *= 0.5;
+        } else {
+            b = (u, h);
+            a.1 *= 0.5;
+        }
+        let next = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        if !next.is_finite() {
+            break;
+        }
+        u = next.clamp(0.0, 1.0);
+    }
+    u
+}
