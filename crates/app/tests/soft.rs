@@ -113,7 +113,7 @@ fn measured(renderer: &Renderer, soft: &SoftScene, side: u32) -> (Errors, String
     let casters = Caster::of_scene(scene);
     let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
     let shot = Shot::new(&drawn, &casters, camera, &[]);
-    // Once before it is timed, as drivers compile late.
+    // Drawn once before it is timed, as drivers compile late.
     pollster::block_on(renderer.visibility(&shot, light)).unwrap();
     let visibility = pollster::block_on(renderer.visibility(&shot, light)).unwrap();
     let gpu_ms: f64 = visibility.passes.iter().map(|pass| pass.ms).sum();
@@ -123,11 +123,12 @@ fn measured(renderer: &Renderer, soft: &SoftScene, side: u32) -> (Errors, String
     let rays_s = start.elapsed().as_secs_f64();
     let errors = Errors::new(&visibility.seen, &truth);
     let judged = oracle.judge(camera, std::slice::from_ref(light), || ()).remove(0);
+    let mut told = Vec::new();
     for (i, (seen, truth)) in visibility.seen.iter().zip(&truth).enumerate() {
         if let Some(truth) = truth.filter(|truth| (f64::from(*seen) - truth.share).abs() > OUTLIER) {
             let width = camera.size_px()[0] as usize;
-            let at = [i % width, i / width];
-            println!("{name}: {seen} at {at:?}, decided {:?}, and by rays {truth:?}", judged[i].verdict);
+            let (at, decided) = ([i % width, i / width], judged[i].verdict);
+            told.push(format!("  {name}: {seen} at {at:?}, decided {decided:?}, and by rays {:.3}\n", truth.share));
         }
     }
     let triangles = scene.triangle_count();
@@ -136,5 +137,5 @@ fn measured(renderer: &Renderer, soft: &SoftScene, side: u32) -> (Errors, String
         "| {name} | {triangles} | {pixels} | {partly} | {mean_of_partly:.4} | {mean:.4} | {most:.4} | {worst:.3} | {mean_of_light:.4} | \
          {most_of_light:.4} | {gpu_ms:.1} | {rays_s:.1} |"
     );
-    (errors, line)
+    (errors, told.concat() + &line)
 }

@@ -89,7 +89,9 @@ impl Targets {
         } else {
             resolved_view.clone()
         };
-        let read = wgpu::TextureUsages::TEXTURE_BINDING;
+        // WebGL2 can't bind what is multisampled; nor can it draw soft shadows so, for which this is read.
+        let is_readable = samples == 1 || gpu.caps.shades_samples;
+        let read = if is_readable { wgpu::TextureUsages::TEXTURE_BINDING } else { none };
         let depth_stencil_texture = texture("depth stencil", gpu.caps.depth_stencil_format, samples, read);
         Ok(Self {
             color,

@@ -26,6 +26,8 @@
 //! edge is decided once, for the hard count and for the edge alike.
 
 mod coverage;
+#[cfg(all(test, not(target_vendor = "apple")))]
+mod glsl_tests;
 mod light;
 mod plan;
 mod targets;

@@ -6,3 +6,4 @@ mod lamps;
 mod seams;
 mod stage;
 mod sun;
+mod tiers;

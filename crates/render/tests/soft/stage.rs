@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
     Camera, Caster, Extent, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Renderer, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuError, GpuScene, Renderer, ShadowOptions, Shot};
 
 /// Half of the floor's side.
 const FLOOR_M: f32 = 200.0;
@@ -21,15 +21,19 @@ pub(crate) struct Stage {
 impl Stage {
     /// Each of `bodies` is a caster of its own, and so is the floor at height 0, the last.
     pub(crate) fn new(bodies: Vec<Surface>) -> Self {
-        let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
-            .expect("tests need a graphics driver: run scripts/setup.sh");
+        let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()));
+        Self::on(gpu.expect("tests need a graphics driver: run scripts/setup.sh"), bodies, 1)
+    }
+
+    /// As [`Stage::new`], on this device, with pictures of so many samples.
+    pub(crate) fn on(gpu: Gpu, bodies: Vec<Surface>, samples: u32) -> Self {
         let side = 2.0 * FLOOR_M;
         let floor = shapes::sheet(Vec3::new(-FLOOR_M, -FLOOR_M, 0.0), Vec3::X * side, Vec3::Y * side, [1, 1]);
         let object = |surface| Object::new("body", Arc::new(Mesh::new(surface).unwrap()), DAffine3::IDENTITY);
         let objects = bodies.into_iter().chain([floor]).map(object).collect();
         let scene = Scene { objects, materials: vec![Material::default()], ..Scene::default() };
         let casters = Caster::of_scene(&scene);
-        let renderer = Renderer::new(gpu, 1);
+        let renderer = Renderer::new(gpu, samples);
         let scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
         Self { renderer, casters, scene }
     }
@@ -38,6 +42,15 @@ impl Stage {
     pub(crate) fn seen(&self, camera: &Camera, light: &Light) -> Vec<f32> {
         let shot = Shot::new(&self.scene, &self.casters, camera, &[]);
         pollster::block_on(self.renderer.visibility(&shot, light)).unwrap().seen
+    }
+
+    /// The red of the picture under `light`.
+    pub(crate) fn picture(&self, camera: &Camera, light: &Light) -> Result<Vec<u8>, GpuError> {
+        let lights = std::slice::from_ref(light);
+        let shadows = ShadowOptions { soft: true, ..ShadowOptions::default() };
+        let shot = Shot { shadows, ..Shot::new(&self.scene, &self.casters, camera, lights) };
+        let picture = pollster::block_on(self.renderer.picture(&shot))?;
+        Ok(picture.rgba.chunks_exact(4).map(|pixel| pixel[0]).collect())
     }
 
     /// What rays to `side * side` points of the light say; `None` where the surface's own plane cuts through it.
