@@ -52,6 +52,8 @@ struct Stage {
 pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let lamps = args.light.lamps()?;
     let extent_of_all = args.light.extent_of_all()?;
+    let is_moved_later = args.posing == Some(Posing::Gpu) && args.shadows.crease_rad().is_some();
+    ensure!(!is_moved_later, "--posing gpu moves what --smooth has prepared; leave one of them out");
     let outputs = Outputs::create(args)?;
     let mut times = Times::default();
 
@@ -93,17 +95,14 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let start = Instant::now();
     let bodies = args.shadows.crease_rad().map(|crease_rad| {
         let ground = ground.as_ref().map(|_| scene.objects.len() - 1);
-        smooth_bodies(&scene.objects, &mut casters, ground, crease_rad, talk)
+        let bodies = smooth_bodies(&scene.objects, &mut casters, ground, crease_rad);
+        bodies.tell(talk);
+        bodies.bodies
     });
     let mut gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
     let moves = files.iter().any(|file| file.is_played) && bodies.is_none();
     gpu_scene.give_bodies(bodies.unwrap_or_default());
     let posing = args.posing.unwrap_or_else(|| best_posing(renderer.gpu(), moves));
-    let is_smooth = args.shadows.crease_rad().is_some();
-    ensure!(
-        !is_smooth || posing == Posing::Cpu,
-        "--posing gpu moves what --smooth has prepared; leave one of them out"
-    );
     if posing == Posing::Gpu {
         let mut poser = GpuPoser::new(renderer.gpu(), &scene.objects, &casters, &gpu_scene)?;
         pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;

@@ -10,7 +10,24 @@ use umbrae_core::{Caster, NotSmooth, Object, SmoothBody, Topology, corner_normal
 
 use crate::talk::{Talk, counted};
 
-/// Makes a smooth body of each of `casters` that can be one, and has it shaded by its normals; `None` for the others.
+/// Which casters are smooth.
+#[derive(Debug)]
+pub struct SmoothBodies {
+    /// For each caster; `None` where it casts the shadow of its triangles.
+    pub bodies: Vec<Option<SmoothBody>>,
+    note: String,
+    warnings: Vec<String>,
+}
+
+impl SmoothBodies {
+    /// Says how many there are, and why others are not.
+    pub fn tell(&self, talk: &Talk) {
+        talk.note(&self.note);
+        self.warnings.iter().for_each(|warning| talk.warning(warning));
+    }
+}
+
+/// Makes a smooth body of each of `casters` that can be one, and has it shaded by its normals.
 ///
 /// `objects` are those of the casters, in order, and are told apart from the `ground`, of which nothing is said. Takes about three microseconds a triangle.
 pub fn smooth_bodies(
@@ -18,8 +35,7 @@ pub fn smooth_bodies(
     casters: &mut [Caster],
     ground: Option<usize>,
     crease_rad: f64,
-    talk: &Talk,
-) -> Vec<Option<SmoothBody>> {
+) -> SmoothBodies {
     let mut others: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     let mut bodies = Vec::new();
     for (i, (object, caster)) in objects.iter().zip(casters).enumerate() {
@@ -44,15 +60,15 @@ pub fn smooth_bodies(
     }
     let smooth = bodies.iter().flatten().count();
     let all = objects.len() - usize::from(ground.is_some());
-    talk.note(&format!("{} of {} cast smooth shadows", smooth, counted(all, "object")));
-    for (reason, names) in others {
+    let warning = |(reason, names): (String, Vec<&str>)| {
         let and_more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
-        talk.warning(&format!(
-            "`{}`{and_more} can't be smooth, because {reason}: the shadow of the triangles is drawn",
-            names[0]
-        ));
+        format!("`{}`{and_more} can't be smooth, because {reason}: the shadow of the triangles is drawn", names[0])
+    };
+    SmoothBodies {
+        note: format!("{} of {} cast smooth shadows", smooth, counted(all, "object")),
+        warnings: others.into_iter().map(warning).collect(),
+        bodies,
     }
-    bodies
 }
 
 /// Cuts each triangle of those of `objects` that are smooth into `pieces` a side, on the curved surface, as they are posed.

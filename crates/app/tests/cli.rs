@@ -34,6 +34,8 @@ mod report;
 mod shadows;
 #[path = "cli/show.rs"]
 mod show;
+#[path = "cli/smooth.rs"]
+mod smooth;
 #[path = "cli/stranger.rs"]
 mod stranger;
 #[path = "cli/sun.rs"]

@@ -84,7 +84,7 @@ fn measure(path: &Path, renderer: &Renderer, args: &SmoothArgs, talk: &Talk) -> 
     let mut casters = Caster::of_scene(&scene);
     let start = Instant::now();
     let ground = Some(casters.len() - 1);
-    let bodies = smooth_bodies(&scene.objects, &mut casters, ground, crease_rad, talk);
+    let bodies = smooth_bodies(&scene.objects, &mut casters, ground, crease_rad).bodies;
     let prepare_ms = ms_since(start);
     ensure!(bodies.iter().any(Option::is_some), "`{}` has no smooth object", path.display());
     let mut gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
