@@ -73,9 +73,9 @@ pub(crate) fn scenes(data: &Path, size_px: [u32; 2]) -> Vec<SoftScene> {
             let (middle, radius) = (scene.bounds().center(), scene.bounds().radius());
             ball((middle + DVec3::new(1.4, -1.1, 2.6) * radius).to_array(), 0.4 * radius)
         }),
-        near("town in the sun", Sample::Town.scene(), 0.25, |_| sun()),
-        near("high-rise in the sun", Sample::HighRise.scene(), 1.2, |_| sun()),
-        near("lattice tower in the sun", Sample::LatticeTower.scene(), 1.0, |_| sun()),
+        near("town in the sun", Sample::Town.scene(), 0.12, |_| sun()),
+        near("high-rise in the sun", Sample::HighRise.scene(), 0.6, |_| sun()),
+        near("lattice tower in the sun", Sample::LatticeTower.scene(), 0.5, |_| sun()),
     ]
 }
 

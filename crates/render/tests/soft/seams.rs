@@ -60,8 +60,6 @@ fn assert_without_seams(stage: &Stage, camera: &Camera, light: &Light, bar: f64)
     let partly = compared.iter().filter(|(_, _, exact)| (0.02..0.98).contains(exact)).count();
     let mut wrong: Vec<&(usize, f64, f64)> = compared.iter().filter(|(_, s, e)| (s - e).abs() > bar).collect();
     wrong.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
-    let worst = compared.iter().map(|(_, s, e)| (s - e).abs()).fold(0.0, f64::max);
-    println!("{}: {partly} partly of {}, worst {worst:.5}", light.name, compared.len());
     let told: Vec<_> = wrong.iter().take(6).map(|(i, s, e)| ([i % width, i / width], s, e)).collect();
     assert!(wrong.is_empty(), "{}: {} wrong of {partly}, {told:?}", light.name, wrong.len());
     partly

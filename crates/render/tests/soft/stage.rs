@@ -74,7 +74,6 @@ impl Stage {
             format!("{error:.3} at {:?}: {} and {:?}", [i % width, i / width], seen[i], truth[i])
         };
         let worst_of: Vec<String> = errors.iter().take(5).map(tell).collect();
-        println!("mean {found:.5}, worst {worst_of:?}, {partly} partly");
         assert!(found < mean && errors[0].0 < worst, "mean {found}, {worst_of:?}");
     }
 }
