@@ -29,6 +29,11 @@ const NEARLY_PARALLEL: f64 = 1e-3;
 /// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
 const FLAT: f64 = 0.999_998_5;
 
+/// Curves are nowhere farther from the mesh than this many times its longest edge. A cubic whose tangents are at most twice as long as its chord is within
+/// half of that of it; what lies between the curves of two edges has a chord of at most two edges, so that it is within one of that; and a tenth is for
+/// insets and rounding.
+pub(super) const MOST_BULGE: f64 = 1.6;
+
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
 pub struct SmoothBody {
@@ -36,19 +41,20 @@ pub struct SmoothBody {
     pub(super) wedges: Caster,
     pub(super) vertex_of_wedge: Vec<u32>,
     /// One of those of each vertex.
-    wedge_of_vertex: Vec<u32>,
+    pub(super) wedge_of_vertex: Vec<u32>,
     /// Unit length or 0, scene space, of each wedge.
     pub(super) normals: Vec<Vec3>,
     /// How each wedge edge is bent.
-    bends: Vec<Bend>,
+    pub(super) bends: Vec<Bend>,
     pub(super) creases: Vec<Crease>,
-    pub(super) finder: NormalFinder,
-    longest_edge_m: f64,
+    /// None where the body has moved: then each wedge and edge is looked at.
+    pub(super) finder: Option<NormalFinder>,
+    pub(super) longest_edge_m: f64,
 }
 
 /// How an edge between wedges is bent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Bend {
+pub(super) enum Bend {
     /// The surface goes on over it.
     Smooth,
     /// A crease, whose other side is this wedge edge.
@@ -117,14 +123,13 @@ impl SmoothBody {
         let split = Split::new(caster, normals);
         let wedges = split.caster(caster);
         let (bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
-        let finder = NormalFinder::new(&wedges, &split.normals);
+        let finder = Some(NormalFinder::new(&wedges, &split.normals));
         let Split { vertex_of_wedge, normals, .. } = split;
         let mut wedge_of_vertex = vec![0; caster.positions.len()];
         for (&v, w) in vertex_of_wedge.iter().zip(0..) {
             wedge_of_vertex[v as usize] = w;
         }
-        let length_m = |e: &Edge| wedges.positions[e.low as usize].distance(wedges.positions[e.high as usize]);
-        let longest_edge_m = wedges.topology.edges().iter().map(length_m).fold(0.0, f32::max).into();
+        let longest_edge_m = longest_edge_m(&wedges);
         Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
     }
 
@@ -180,11 +185,10 @@ impl SmoothBody {
         }
     }
 
-    /// A box that holds every curve of the body, on edges and between them: those are at most twice as long as their chord, and chords at most as
-    /// long as the longest edge and the bulges at its ends.
+    /// A box that holds every curve of the body, on edges and between them.
     pub fn loose_bounds(&self) -> Bounds {
         let bounds = self.wedges.bounds;
-        let grown = DVec3::splat(4.0 * self.longest_edge_m);
+        let grown = DVec3::splat(MOST_BULGE * self.longest_edge_m);
         Bounds { min: bounds.min - grown, max: bounds.max + grown }
     }
 
@@ -193,10 +197,16 @@ impl SmoothBody {
         let edges = self.wedges.topology.edges().len();
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
-            + edges * (size_of::<Bend>() + 94)
+            + edges * (size_of::<Bend>() + if self.finder.is_some() { 94 } else { 24 })
             + self.wedges.mesh.triangles().len() * 56
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
+}
+
+/// The longest edge of `caster`.
+pub(super) fn longest_edge_m(caster: &Caster) -> f64 {
+    let length_m = |e: &Edge| caster.positions[e.low as usize].distance(caster.positions[e.high as usize]);
+    caster.topology.edges().iter().map(length_m).fold(0.0, f32::max).into()
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.

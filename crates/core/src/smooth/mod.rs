@@ -3,6 +3,8 @@
 //! ```text
 //!   normals      one for each corner, given or computed, with creases
 //!   body         the mesh split at creases, once for all lights
+//!   posed        the same body where its caster has moved to
+//!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   volume       the silhouette of a body under a light, and the volume that it closes
@@ -13,7 +15,9 @@
 mod body;
 mod curve;
 mod normals;
+mod posed;
 mod precision;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod volume;
@@ -21,4 +25,5 @@ mod volume;
 pub use body::{NotSmooth, SmoothBody};
 pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};
+pub use tables::{NO_BEND, SmoothTables, TwoSidedCrease};
 pub use volume::{SmoothScratch, SmoothVolume, Smoothness};

@@ -28,9 +28,9 @@ use super::curve::Curve;
 use super::precision::Precision;
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
-const INSET: f64 = 0.02;
+pub(super) const INSET: f64 = 0.02;
 /// And at most, in radii of the body.
-const MOST_INSET: f64 = 2e-3;
+pub(super) const MOST_INSET: f64 = 2e-3;
 
 /// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
 const EDGE_ON: f32 = 1e-5;
@@ -111,8 +111,7 @@ impl SmoothVolume {
         self.sides.clear();
         self.faces.clear();
         self.vertices.clear();
-        body.finder.turned(light, &mut self.turned);
-        body.finder.find(light, &mut scratch.found);
+        body.find(light, &mut self.turned, &mut scratch.found);
         scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
         scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
         scratch.crossings.clear();
