@@ -5,7 +5,7 @@
 //! surface                every opaque triangle and sphere: depth, ambient light
 //! for each light that reaches the view:
 //!   volumes              the mark, then the shadow volumes into the stencil
-//!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark
+//!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark; once more for each smooth body found on the GPU
 //!   light                this light, added where the stencil says that it reaches
 //! glass                  what is seen through, over all that (pictures only)
 //! overlay                what is shown over the picture, if anything is
@@ -52,9 +52,9 @@ pub(crate) struct FrameLight<'a> {
     pub(crate) shadows: &'a ShadowLight,
 }
 
-/// How many passes [`record`] and [`record_tone`] make together, at most.
-pub(crate) fn pass_count(lights: usize) -> u32 {
-    5 + 4 * lights as u32
+/// How many passes [`record`] and [`record_tone`] make together, at most, where so many casters may be summed alone.
+pub(crate) fn pass_count(lights: usize, smooth: usize) -> u32 {
+    (6 + lights * (4 + 2 * smooth)) as u32
 }
 
 /// Records everything but the tone mapping.
@@ -160,12 +160,14 @@ fn record_sums(
 ) {
     let Some(sums) = frame.targets.sums().filter(|_| light.shadows.needs_sums()) else { return };
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
-    let name = format!("sums: {}", light.name);
-    let mut pass = begin(encoder, frame, &name, Some(sums.attachment()), keep, timer);
-    passes.shadows.draw_sums(&mut pass, frame.shadow_view, light.shadows);
-    drop(pass);
-    let mut pass = begin(encoder, frame, &format!("fold: {}", light.name), None, keep, timer);
-    passes.shadows.draw_fold(&mut pass, light.shadows, sums);
+    for i in 0..light.shadows.sum_count() {
+        let name = format!("sums: {}", light.name);
+        let mut pass = begin(encoder, frame, &name, Some(sums.attachment()), keep, timer);
+        passes.shadows.draw_sums(&mut pass, frame.shadow_view, light.shadows, i);
+        drop(pass);
+        let mut pass = begin(encoder, frame, &format!("fold: {}", light.name), None, keep, timer);
+        passes.shadows.draw_fold(&mut pass, light.shadows, i, sums);
+    }
 }
 
 /// Records the tone mapping into `to`, a headless texture or a window's.

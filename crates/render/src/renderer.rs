@@ -11,7 +11,9 @@ use crate::shadow::{ShadowTarget, Shadows, Tally, TallyKind};
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Targets};
+use crate::{
+    Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Smooth, Targets,
+};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -136,7 +138,8 @@ impl Renderer {
         let finished = readable_texture(&self.gpu, "picture", PICTURE_FORMAT, size_px);
         let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
 
-        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len()));
+        let smooth = if shot.shadows.smooth == Smooth::Off { 0 } else { shot.casters.len() };
+        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len(), smooth));
         let mut encoder = self.encoder("picture");
         let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
         let times = timer.resolve(&self.gpu, &mut encoder);
