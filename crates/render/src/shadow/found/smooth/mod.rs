@@ -25,7 +25,9 @@ mod tables;
 
 use std::sync::atomic::Ordering;
 
-use umbrae_core::{Bounds, Case, Caster, LightPosition, OnScreen, PixelRect, Precision, SmoothTables, Smoothness};
+use umbrae_core::{
+    Bounds, Case, Caster, Counting, LightPosition, OnScreen, PixelRect, Precision, SmoothTables, Smoothness, Windings,
+};
 use wgpu::util::DeviceExt as _;
 
 pub(crate) use pipelines::{SmoothDrawing, SmoothShape};
@@ -210,7 +212,9 @@ impl SmoothFinder {
     }
 
     /// Adds caster `i` under light `number` to what is found, and to `plan`. `None` where it casts the shadow of its triangles: if it stands for no
-    /// body, or if the light or the near rectangle is in its box, where its count may be another than 0 in the light.
+    /// body, or if the light or the near rectangle is inside of it, where its count may be another than 0 in the light. (Of what has moved: in its box.)
+    ///
+    /// Takes longer, linear in the number of triangles, where the light or the near rectangle is in the box of what stands.
     #[expect(clippy::too_many_arguments, reason = "one caller; a struct would only repeat the names")]
     pub(super) fn add(
         &mut self,
@@ -233,12 +237,21 @@ impl SmoothFinder {
             Err(fate) => return Some(CasterReport::of_fate(fate)),
         };
         let job = jobs::job((caster, loose), block, scope, &seen.camera, light, options);
-        if !jobs::is_apart_from_ends(caster, &job, &seen.camera, light) {
+        let has_left = uploaded.has_left_body[i].load(Ordering::Relaxed);
+        // Of what has moved only the box is sure, as where its triangles are the GPU knows alone.
+        let is_outside = if has_left {
+            jobs::is_apart_from_ends(caster, &job, &seen.camera, light)
+        } else {
+            let windings = [Windings::of_near_rectangle(caster, &seen.camera), Windings::of_light(caster, light)];
+            let counting = Counting::choose(caster, &windings[0], &windings[1]);
+            counting.iter().all(|&counting| counting == Counting::Facing)
+        };
+        if !is_outside {
             return None;
         }
         let job = Job { caster: i as u32, light: number, ..job };
         let own = staged.slots.len() as u32;
-        let moved_wedges = if uploaded.has_left_body[i].load(Ordering::Relaxed) && !staged.has_normals[i] {
+        let moved_wedges = if has_left && !staged.has_normals[i] {
             staged.has_normals[i] = true;
             body.wedge_count
         } else {
