@@ -23,5 +23,5 @@ fuzz_target!(|data: &[u8]| {
         Format::Stl,
     ][usize::from(choice % 7)];
     let up = [None, Some(UpAxis::Y), Some(UpAxis::Z)][usize::from(choice / 7 % 3)];
-    let _ = load_bytes(bytes, format, "fuzz", None, &LoadOptions { up, ..LoadOptions::default() });
+    let _ = load_bytes(bytes, format, "fuzz", None, &LoadOptions { up, normals: true, ..LoadOptions::default() });
 });

@@ -237,8 +237,23 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub light: LightArgs,
 
+    /// Draw lights that have a size with soft shadows; --sun-disc, --light-radius and --light-size ask for that too
+    #[arg(long, help_heading = "Light")]
+    pub soft: bool,
+
+    /// Give the sun its size, 0.533 degrees across, with soft shadows
+    #[arg(long, help_heading = "Light")]
+    pub sun_disc: bool,
+
     /// Give every lamp a size: draw it as COUNT lamps that share its strength, for soft shadows; takes COUNT times as long
-    #[arg(long, value_name = "COUNT", value_parser = area_sample_count(), allow_hyphen_values = true, help_heading = "Light")]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        value_parser = area_sample_count(),
+        allow_hyphen_values = true,
+        conflicts_with_all = ["light_radius", "light_size"],
+        help_heading = "Light"
+    )]
     pub area_samples: Option<u32>,
 
     /// Metres from a lamp's middle to its edge: a ball, or for a --spot a disc (default: a fiftieth of the model's radius, or of the lamp's

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use umbrae_core::{Bounds, Cone, Light, LightPosition, Scene};
 
+use crate::extent::ExtentChoice;
 use crate::parse::SpotPlace;
 
 /// A lamp that the user wants, in the model's coordinates.
@@ -18,6 +19,8 @@ pub struct LampChoice {
     pub range_m: Option<f64>,
     /// Of a spot: where its edge begins.
     pub inner_deg: Option<f64>,
+    /// Of a lamp: how large it is; see [`crate::extent`].
+    pub extent: Option<ExtentChoice>,
 }
 
 /// What a lamp is, and where.
@@ -39,7 +42,7 @@ pub enum LampPlace {
 impl LampChoice {
     /// A lamp about which nothing else was said.
     pub fn new(place: LampPlace) -> Self {
-        Self { place, color: None, intensity: None, range_m: None, inner_deg: None }
+        Self { place, color: None, intensity: None, range_m: None, inner_deg: None, extent: None }
     }
 }
 

@@ -33,6 +33,18 @@ pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
+/// `1.2x0.6` into a width and a height.
+///
+/// # Errors
+///
+/// A sentence when it is not two numbers as in [`metres`].
+pub fn width_height(text: &str) -> Result<[f64; 2], String> {
+    let (width, height) = text
+        .split_once(['x', 'X'])
+        .ok_or_else(|| format!("`{text}` is not a size; write width and height in metres, such as 1.2x0.6"))?;
+    Ok([metres(width)?, metres(height)?])
+}
+
 /// `1,2.5,-3` into a point.
 ///
 /// # Errors
@@ -183,6 +195,27 @@ pub fn metres(text: &str) -> Result<f64, String> {
     })
 }
 
+/// `0.5` into a part of the picture's pixels.
+///
+/// # Errors
+///
+/// A sentence when it is not a number from 0.01 to 100.
+pub fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = text.trim().parse().ok().filter(|pixels| (0.01..=100.0).contains(pixels));
+    pixels.ok_or_else(|| format!("`{text}` is no number of pixels; write one from 0.01 to 100, such as 0.5"))
+}
+
+/// `40` into the angle above which an edge is sharp, degrees.
+///
+/// # Errors
+///
+/// A sentence when it is not a number from 0 to 180.
+pub fn crease_deg(text: &str) -> Result<f64, String> {
+    let degrees = text.trim().parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    degrees
+        .ok_or_else(|| format!("`{text}` is not an angle between two faces; write degrees from 0 to 180, such as 40"))
+}
+
 fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|n| n.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
@@ -198,6 +231,14 @@ mod tests {
         assert_eq!(picture_size("640x480"), Ok([640, 480]));
         for bad in ["0x0", "640x0", "640", "x", "-1x5", "640x480x3", "1e3x4", "16385x1"] {
             assert!(picture_size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_lamp_s_size_is_two_lengths_above_0() {
+        assert_eq!(width_height("1.2x0.6"), Ok([1.2, 0.6]));
+        for bad in ["1.2", "0x1", "1x-1", "nanx1", "1x1e30", "x", "1x1x1"] {
+            assert!(width_height(bad).is_err(), "{bad}");
         }
     }
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use glam::{DVec3, Vec3};
 use image::ExtendedColorType::{L8, Rgba8};
-use umbrae_core::{Bounds, Camera, Caster, Finder, FinderKind, Light, Oracle, Scene, Sphere};
+use umbrae_core::{Bounds, Camera, Caster, Extent, Finder, FinderKind, Light, Oracle, Scene, Sphere};
+use umbrae_formats::LoadOptions;
 use umbrae_render::{
     AdapterChoice, Comparison, Gpu, GpuPoser, GpuScene, Look, Mask, Picture, Renderer, ShadowOptions, Shot,
     SilhouetteSource, compare,
@@ -15,6 +16,7 @@ use web_time::Instant;
 use crate::area::{Area, as_points};
 use crate::cache::Cache;
 use crate::cli::{Method, Posing, RenderArgs, Silhouette};
+use crate::extent::{ExtentChoice, with_extents};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
@@ -22,6 +24,7 @@ use crate::report::{
     CameraReport, Cost, GroundReport, LeftOut, LightJson, ModelReport, Report, SphereReport, Times, VerifyJson,
 };
 use crate::show::{self, Numbers, Show, ShowReport, Subject};
+use crate::smooth::smooth_bodies;
 use crate::talk::{Talk, counted};
 use crate::verify::error_picture;
 use crate::view::{ViewChoice, add_ground, camera, ensure_drawable, ground_under};
@@ -48,11 +51,12 @@ struct Stage {
 /// Whatever is wrong with the input, the output's place or the device; then nothing is written.
 pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let lamps = args.light.lamps()?;
+    let extent_of_all = args.light.extent_of_all()?;
     let outputs = Outputs::create(args)?;
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, &args.load.options(), args.moment().as_ref(), talk)?;
+    let (mut scene, files) = load_all(&args.models, &load_options(args), args.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let spheres = spheres(args, scene.origin);
     let model = spheres.iter().fold(scene.bounds(), |bounds, sphere| bounds.union(sphere.bounds()));
@@ -60,10 +64,12 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let ground = (!args.no_ground).then(|| ground_under(&model));
     ensure_drawable(&scene, &model, ground.as_ref()).with_context(|| format!("can't draw {}", names(&args.models)))?;
     let camera = camera(&choice, &scene, &model, ground.as_ref())?;
-    let lights = lights(&lamps, &scene, &model);
+    let lights = with_extents(lights(&lamps, &scene, &model), &lamps, extent_of_all, args.sun_disc, &model)?;
     let look = Look::for_model(&model, &lights);
     warn_of_darkness(&lights, talk);
     let lights = with_sizes(reaching(lights, look.exposure), &model, args, talk);
+    let soft = lights.iter().filter(|light| light.extent != Extent::Point).count();
+    warn_of_no_extent(&lights, (args, extent_of_all), talk);
     if let Some(ground) = &ground {
         add_ground(&mut scene, ground);
     }
@@ -71,6 +77,9 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         talk.warning(&warning);
     }
 
+    if let Some(crease_rad) = args.shadows.crease_rad() {
+        scene.split_smooth_parts(crease_rad);
+    }
     let start = Instant::now();
     let mut casters = Caster::of_scene(&scene);
     times.topology = ms_since(start);
@@ -79,9 +88,19 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let renderer = Renderer::new(gpu, args.samples);
     times.device = ms_since(start);
     let start = Instant::now();
+    let bodies = args.shadows.crease_rad().map(|crease_rad| {
+        let ground = ground.as_ref().map(|_| scene.objects.len() - 1);
+        smooth_bodies(&scene.objects, &mut casters, ground, crease_rad, talk)
+    });
     let mut gpu_scene = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures)?;
-    let moves = files.iter().any(|file| file.is_played);
+    let moves = files.iter().any(|file| file.is_played) && bodies.is_none();
+    gpu_scene.give_bodies(bodies.unwrap_or_default());
     let posing = args.posing.unwrap_or_else(|| best_posing(renderer.gpu(), moves));
+    let is_smooth = args.shadows.smooth;
+    ensure!(
+        !is_smooth || posing == Posing::Cpu,
+        "--posing gpu moves what --smooth has prepared; leave one of them out"
+    );
     if posing == Posing::Gpu {
         let mut poser = GpuPoser::new(renderer.gpu(), &scene.objects, &casters, &gpu_scene)?;
         pollster::block_on(poser.pose(renderer.gpu(), &mut gpu_scene, &scene.objects, &mut casters))?;
@@ -90,7 +109,8 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     if let Some(folder) = &args.cache {
         gpu_scene.give_finders(finders(&Cache::new(folder)?, &casters, args.shadows.options().silhouettes, talk));
     }
-    let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows: args.shadows.options(), look };
+    let shadows = ShadowOptions { soft: soft > 0, ..args.shadows.options() };
+    let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows, look };
 
     let start = Instant::now();
     let mut picture = stage.picture()?;
@@ -324,6 +344,9 @@ fn verify(stage: &Stage, scene: &Scene, talk: &Talk) -> anyhow::Result<(VerifyJs
 
     let mut total = VerifyJson::default();
     let mut wrong = None;
+    if stage.shadows.soft {
+        talk.note("verify: rays to the middle of each light; how soft a shadow is, they don't tell");
+    }
     for (light, judgements) in stage.lights.iter().zip(&judged) {
         let mask = stage.mask(light)?;
         let comparison = compare(&mask.verdicts, judgements);
@@ -391,6 +414,11 @@ fn with_sizes(lights: Vec<Light>, model: &Bounds, args: &RenderArgs, talk: &Talk
     as_points(lights, Area { samples, radius_m: args.area_radius }, model)
 }
 
+/// With normals, where something is to be smooth.
+fn load_options(args: &RenderArgs) -> LoadOptions {
+    LoadOptions { normals: args.shadows.smooth, ..args.load.options() }
+}
+
 /// The GPU, where something moves and it can.
 fn best_posing(gpu: &Gpu, moves: bool) -> Posing {
     if moves && umbrae_render::Posing::of(gpu) == umbrae_render::Posing::Gpu { Posing::Gpu } else { Posing::Cpu }
@@ -399,6 +427,23 @@ fn best_posing(gpu: &Gpu, moves: bool) -> Posing {
 /// Each in quotation marks.
 fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| format!("`{}`", path.display())).collect::<Vec<_>>().join(", ")
+}
+
+fn warn_of_no_extent(lights: &[Light], (args, all): (&RenderArgs, Option<ExtentChoice>), talk: &Talk) {
+    let is_all = |is: fn(&Light) -> bool| lights.iter().all(is);
+    if args.sun_disc && is_all(|light| !light.position.is_directional()) {
+        talk.warning("--sun-disc changes nothing: no light is the sun; --light-radius gives lamps a size");
+    }
+    if all.is_some() && is_all(|light| light.position.is_directional()) {
+        talk.warning(
+            "--light-radius and --light-size change nothing: no light is a lamp; --sun-disc gives the sun its size",
+        );
+    }
+    if args.soft && is_all(|light| light.extent == Extent::Point) {
+        talk.warning(
+            "--soft changes nothing: no light has a size; --sun-disc, --light-radius or --light-size give one",
+        );
+    }
 }
 
 fn warn_of_darkness(lights: &[Light], talk: &Talk) {
@@ -412,8 +457,10 @@ fn warn_of_darkness(lights: &[Light], talk: &Talk) {
 
 fn summary(stage: &Stage, args: &RenderArgs) -> String {
     let triangles: usize = stage.casters.iter().map(|c| c.mesh.triangles().len()).sum();
+    let soft = stage.lights.iter().filter(|light| light.extent != Extent::Point).count();
+    let soft = if soft > 0 { format!(" ({soft} soft)") } else { String::new() };
     format!(
-        "`{}`: {} in {}, {} on {}",
+        "`{}`: {} in {}, {}{soft} on {}",
         args.picture_path().display(),
         counted(triangles, "triangle"),
         counted(stage.casters.len(), "object"),

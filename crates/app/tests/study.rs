@@ -6,6 +6,8 @@
 mod bad_input;
 #[path = "study/compared.rs"]
 mod compared;
+#[path = "study/disc.rs"]
+mod disc;
 #[path = "cli/files.rs"]
 #[expect(dead_code, reason = "the tests of the command line need more of it")]
 mod files;

@@ -58,6 +58,14 @@ pub fn disc_share<'a>(loops: impl IntoIterator<Item = &'a [DVec2]>) -> f64 {
     loops.into_iter().map(of_loop).sum::<f64>() / TAU
 }
 
+/// The share of the unit disc that the chord from `a` to `b`, both in it, cuts off from the sector between them: positive; a half for a
+/// chord through the origin.
+///
+/// [`disc_sector`] of any edge is its sector less this, for the part of the edge that is in the disc; turned round where the edge goes clockwise.
+pub fn disc_segment(a: DVec2, b: DVec2) -> f64 {
+    (angle(a, b).abs() - a.perp_dot(b).abs()) / TAU
+}
+
 /// From `a` to `b` about the origin, between minus and plus pi: twice the area of that sector of the unit disc.
 fn angle(a: DVec2, b: DVec2) -> f64 {
     a.perp_dot(b).atan2(a.dot(b))

@@ -77,6 +77,57 @@ pub struct Light {
     ///
     /// The fading is glTF's: inverse square times `1 - (distance / range)^4`.
     pub range_m: Option<f64>,
+    /// How large it is about its position: only soft shadows look at that, everything else takes it for a point or a direction.
+    pub extent: Extent,
+}
+
+/// How large a light is, evenly bright from every side that it is seen from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Extent {
+    /// A point or a direction: its shadows are hard.
+    #[default]
+    Point,
+    /// A ball about a point light. From everywhere it is seen as a disc of this radius that faces the seen point.
+    Sphere {
+        /// Above 0, in metres.
+        radius_m: f64,
+    },
+    /// A rectangle about a point light, `position +- half_right +- half_up`, at a right angle to each other. It shines to the side from which
+    /// right, up and the way to it are a right-handed system: `half_right x half_up` points there.
+    Rectangle {
+        /// From its middle to the middle of its right side, in metres.
+        half_right: DVec3,
+        /// From its middle to the middle of its upper side, in metres.
+        half_up: DVec3,
+    },
+    /// A disc about the direction to a directional light, as the sun's is.
+    Disc {
+        /// Above 0 and below pi / 2.
+        radius_rad: f64,
+    },
+}
+
+impl Extent {
+    /// The radius, in metres, of a ball about the light's position that holds all of it; 0 for a point, and for what is at infinity.
+    pub fn radius_m(&self) -> f64 {
+        match *self {
+            Self::Point | Self::Disc { .. } => 0.0,
+            Self::Sphere { radius_m } => radius_m,
+            Self::Rectangle { half_right, half_up } => half_right.length().hypot(half_up.length()),
+        }
+    }
+
+    fn rounded_to_f32(self) -> Self {
+        let round = |v: DVec3| v.as_vec3().as_dvec3();
+        match self {
+            Self::Point => Self::Point,
+            Self::Sphere { radius_m } => Self::Sphere { radius_m: f64::from(radius_m as f32) },
+            Self::Rectangle { half_right, half_up } => {
+                Self::Rectangle { half_right: round(half_right), half_up: round(half_up) }
+            }
+            Self::Disc { radius_rad } => Self::Disc { radius_rad: f64::from(radius_rad as f32) },
+        }
+    }
 }
 
 /// The cone of a spot light: full strength within the inner angle, nothing beyond the outer.
@@ -91,12 +142,12 @@ pub struct Cone {
 }
 
 impl Light {
-    /// A light that shines all around and without end.
+    /// A point that shines all around and without end, or a direction.
     pub fn new(name: impl Into<String>, position: LightPosition, strength: Vec3) -> Self {
-        Self { name: name.into(), position, strength, cone: None, range_m: None }
+        Self { name: name.into(), position, strength, cone: None, range_m: None, extent: Extent::Point }
     }
 
-    /// The same light after rounding to what a GPU is told (position, axis, angles and range), so that both reason
+    /// The same light after rounding to what a GPU is told (position, axis, angles, range and extent), so that both reason
     /// about one light.
     pub fn rounded_to_f32(&self) -> Self {
         let round = |number: f64| f64::from(number as f32);
@@ -110,6 +161,7 @@ impl Light {
                 outer_rad: round_angle(cone.outer_rad),
             }),
             range_m: self.range_m.map(round),
+            extent: self.extent.rounded_to_f32(),
             ..self.clone()
         }
     }
@@ -133,7 +185,8 @@ mod tests {
         let axis = DVec3::new(0.3, -0.2, -0.9).normalize_or_zero();
         let cone = Some(Cone { axis, inner_rad: 0.1, outer_rad: FRAC_PI_2 });
         let position = LightPosition::point(DVec3::new(0.1, 0.2, 0.3));
-        let light = Light { cone, range_m: Some(7.7), ..Light::new("spot", position, Vec3::ONE) };
+        let extent = Extent::Rectangle { half_right: DVec3::new(0.1, 0.2, 0.3), half_up: DVec3::Z * 0.7 };
+        let light = Light { cone, range_m: Some(7.7), extent, ..Light::new("spot", position, Vec3::ONE) };
         let rounded = light.rounded_to_f32();
         assert_eq!(rounded.rounded_to_f32(), rounded);
         assert_eq!(rounded.range_m, Some(f64::from(7.7_f32)));

@@ -15,7 +15,10 @@ mod border;
 mod coincident;
 mod cut_out;
 mod smooth;
+mod soft;
 mod spheres;
+
+pub use soft::SeenLight;
 
 use std::sync::Arc;
 
@@ -239,10 +242,9 @@ impl Oracle {
         let is_turned = normal.dot(direction) >= 0.0;
         let normal = if is_turned { -normal } else { normal };
         let point = eye.position + direction * hit.t;
-        let shading = self
-            .smooth
-            .as_ref()
-            .and_then(|smooth| smooth.shading(&hit, self.seen.corners(&hit), point, is_turned, self.blur(eye, &hit)));
+        let shading = self.smooth.as_ref().and_then(|smooth| {
+            smooth.shading(&hit, self.seen.corners(&hit), [eye.position, point], is_turned, self.blur(eye, &hit))
+        });
         Sight::Surface(Seen { hit, point, normal, shading })
     }
 
@@ -285,7 +287,7 @@ impl Oracle {
             return Some(Verdict::Dark);
         }
         let faces_light =
-            seen.shading.map_or_else(|| faces(seen.normal, to_light), |shading| shading.faces(seen, to_light));
+            seen.shading.map_or_else(|| faces(seen.normal, to_light), |shading| shading.faces(seen, light.position));
         if !faces_light? {
             return Some(Verdict::Dark);
         }

@@ -63,6 +63,19 @@ impl ShadowVolume {
         Self { sides: sides.to_vec(), most_triangles: light_cap.len(), light_cap }
     }
 
+    /// Whether the sides are the light cap's boundary, each as often as it is walked, so that the volume is closed.
+    ///
+    /// Looks at indices alone. Linear in the number of faces, but for sorting; never of a volume [of sides alone](ShadowVolume::of_sides).
+    pub fn is_closed(&self) -> bool {
+        let of_cap = self.light_cap.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let backward = self.sides.iter().map(|&[start, end]| [end, start]);
+        let walked = of_cap.chain(backward).filter(|[a, b]| a != b);
+        let mut directed: Vec<([u32; 2], i32)> =
+            walked.map(|[a, b]| if a < b { ([a, b], 1) } else { ([b, a], -1) }).collect();
+        directed.sort_unstable();
+        directed.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, times)| times).sum::<i32>() == 0)
+    }
+
     /// The faces that are not at infinity, as homogeneous triangles: light cap, then sides.
     ///
     /// A side is a quad (two triangles) for a point light and one triangle for a directional one. The diagonal of a

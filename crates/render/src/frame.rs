@@ -7,17 +7,25 @@
 //!   volumes              the mark, then the shadow volumes into the stencil
 //!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark; once more for each smooth body found on the GPU
 //!   light                this light, added where the stencil says that it reaches
+//!  or, of a light with a size:
+//!   coverage, composite  what casters cover of it, group by group, and what is left (see `soft/`)
+//!   light                this light, as much of it as is seen
 //! glass                  what is seen through, over all that (pictures only)
 //! overlay                what is shown over the picture, if anything is
 //! tone                   radiance into display colours (pictures only)
 //! ```
 
+use std::sync::OnceLock;
+
+use umbrae_core::PixelRect;
+
 use crate::passes::{
     GlassFrame, GlassPass, GpuOverlay, GpuSpheres, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass,
 };
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
+use crate::soft::{SoftLight, SoftLightPass, SoftPass};
 use crate::timing::PassTimer;
-use crate::{FoundShadows, GpuScene, Targets};
+use crate::{FoundShadows, Gpu, GpuScene, Targets};
 
 /// The passes over surfaces and volumes, for one kind of target.
 #[derive(Debug)]
@@ -26,6 +34,8 @@ pub(crate) struct Passes {
     pub(crate) shadows: Shadows,
     pub(crate) light: LightPass,
     pub(crate) spheres: SpherePass,
+    pub(crate) soft: OnceLock<SoftPass>,
+    pub(crate) soft_light: OnceLock<SoftLightPass>,
 }
 
 /// What the passes draw and where; all borrowed, nothing owned.
@@ -49,16 +59,53 @@ pub(crate) struct Frame<'a> {
 #[derive(Debug)]
 pub(crate) struct FrameLight<'a> {
     pub(crate) name: &'a str,
-    pub(crate) shadows: &'a ShadowLight,
+    pub(crate) shadows: Shadowing<'a>,
 }
 
-/// How many passes [`record`] and [`record_tone`] make together, at most, where so many casters may be summed alone.
-pub(crate) fn pass_count(lights: usize, smooth: usize) -> u32 {
-    (6 + lights * (4 + 2 * smooth)) as u32
+/// How the shadows of a light are determined.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Shadowing<'a> {
+    /// By counting volumes.
+    Hard(&'a ShadowLight),
+    /// By what casters cover of it.
+    Soft(&'a SoftLight),
+}
+
+impl<'a> Shadowing<'a> {
+    /// The pixels that the light may change; `None` when there are none.
+    fn rect(self) -> Option<PixelRect> {
+        match self {
+            Self::Hard(light) => light.rect(),
+            Self::Soft(light) => light.rect(),
+        }
+    }
+
+    pub(crate) fn hard(self) -> Option<&'a ShadowLight> {
+        if let Self::Hard(light) = self { Some(light) } else { None }
+    }
+
+    pub(crate) fn soft(self) -> Option<&'a SoftLight> {
+        if let Self::Soft(light) = self { Some(light) } else { None }
+    }
+}
+
+/// How many passes [`record`] and [`record_tone`] make together, at most.
+pub(crate) fn pass_count(lights: &[FrameLight<'_>]) -> u32 {
+    let of = |light: &FrameLight<'_>| match light.shadows {
+        Shadowing::Hard(light) => 2 + 2 * light.sum_count() as u32,
+        Shadowing::Soft(soft) => 1 + soft.pass_count(),
+    };
+    6 + lights.iter().map(of).sum::<u32>()
 }
 
 /// Records everything but the tone mapping.
-pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+pub(crate) fn record(
+    gpu: &Gpu,
+    passes: &Passes,
+    frame: Frame<'_>,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
     if let Some(found) = frame.found {
         found.record_timed(encoder, timer);
     }
@@ -66,22 +113,30 @@ pub(crate) fn record(passes: &Passes, frame: Frame<'_>, encoder: &mut wgpu::Comm
     // Multisampled colour is resolved once, after the last pass that adds to it.
     record_surface(passes, frame, lights.is_empty() && frame.glass.is_none(), encoder, timer);
     for (i, light) in lights.iter().enumerate() {
-        let clear_stencil = wgpu::LoadOp::Clear(light.shadows.clear_value());
+        let is_last = i + 1 == lights.len() && frame.glass.is_none();
+        let shadows = match light.shadows {
+            Shadowing::Hard(shadows) => shadows,
+            Shadowing::Soft(soft) => {
+                record_visibility(gpu, passes, frame, (light.name, soft), encoder, timer);
+                record_soft_light(passes, frame, (light.name, soft), is_last, encoder, timer);
+                continue;
+            }
+        };
+        let clear_stencil = wgpu::LoadOp::Clear(shadows.clear_value());
         let name = format!("volumes: {}", light.name);
         let mut pass = begin(encoder, frame, &name, None, (wgpu::LoadOp::Load, clear_stencil), timer);
-        record_mark(passes, frame, light, &mut pass);
-        passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, light.shadows);
+        record_mark(passes, frame, shadows, &mut pass);
+        passes.shadows.draw_counts(&mut pass, &frame.scene.shadow_casters, frame.shadow_view, shadows);
         drop(pass);
-        record_sums(passes, frame, light, encoder, timer);
+        record_sums(passes, frame, (light.name, shadows), encoder, timer);
 
-        let is_last = i + 1 == lights.len() && frame.glass.is_none();
         let color = color_attachment(frame.targets, wgpu::LoadOp::Load, is_last);
         let name = format!("light: {}", light.name);
         let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
         let mut pass = begin(encoder, frame, &name, Some(color), keep, timer);
-        light.shadows.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
-        passes.light.draw(&mut pass, frame.scene, light.shadows.group());
-        passes.spheres.draw_light(&mut pass, frame.spheres, light.shadows.group());
+        shadows.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
+        passes.light.draw(&mut pass, frame.scene, shadows.group());
+        passes.spheres.draw_light(&mut pass, frame.spheres, shadows.group());
     }
     if let Some((glass_pass, glass)) = frame.glass {
         let color = color_attachment(frame.targets, wgpu::LoadOp::Load, true);
@@ -109,8 +164,8 @@ pub(crate) fn record_tally(
 ) {
     let timer = &mut PassTimer::off();
     record_surface(passes, frame, true, encoder, timer);
-    let Some(light) = frame.lights.first() else { return };
-    let clear_stencil = wgpu::LoadOp::Clear(light.shadows.clear_value());
+    let Some(light) = frame.lights.first().and_then(|light| light.shadows.hard()) else { return };
+    let clear_stencil = wgpu::LoadOp::Clear(light.clear_value());
     let mut pass = begin(encoder, frame, "mark", None, (wgpu::LoadOp::Load, clear_stencil), timer);
     record_mark(passes, frame, light, &mut pass);
     drop(pass);
@@ -122,7 +177,7 @@ pub(crate) fn record_tally(
     };
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
     let mut pass = begin(encoder, frame, "tally", Some(color), keep, timer);
-    tally.draw(&mut pass, kind, &frame.scene.shadow_casters, frame.shadow_view, light.shadows);
+    tally.draw(&mut pass, kind, &frame.scene.shadow_casters, frame.shadow_view, light);
 }
 
 fn record_surface(
@@ -140,13 +195,13 @@ fn record_surface(
     passes.spheres.draw_surface(&mut pass, frame.spheres);
 }
 
-fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight<'_>, pass: &mut wgpu::RenderPass<'_>) {
-    if light.shadows.marks_receivers() {
-        light.shadows.rect().into_iter().for_each(|rect| set_scissor(pass, rect));
-        passes.light.draw_mark(pass, frame.scene, light.shadows.group());
-        passes.spheres.draw_mark(pass, frame.spheres, light.shadows.group());
+fn record_mark(passes: &Passes, frame: Frame<'_>, light: &ShadowLight, pass: &mut wgpu::RenderPass<'_>) {
+    if light.marks_receivers() {
+        light.rect().into_iter().for_each(|rect| set_scissor(pass, rect));
+        passes.light.draw_mark(pass, frame.scene, light.group());
+        passes.spheres.draw_mark(pass, frame.spheres, light.group());
     } else {
-        passes.shadows.draw_reach(pass, frame.shadow_view, light.shadows);
+        passes.shadows.draw_reach(pass, frame.shadow_view, light);
     }
 }
 
@@ -154,20 +209,63 @@ fn record_mark(passes: &Passes, frame: Frame<'_>, light: &FrameLight<'_>, pass: 
 fn record_sums(
     passes: &Passes,
     frame: Frame<'_>,
-    light: &FrameLight<'_>,
+    (name, light): (&str, &ShadowLight),
     encoder: &mut wgpu::CommandEncoder,
     timer: &mut PassTimer,
 ) {
-    let Some(sums) = frame.targets.sums().filter(|_| light.shadows.needs_sums()) else { return };
+    let Some(sums) = frame.targets.sums().filter(|_| light.needs_sums()) else { return };
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
-    for i in 0..light.shadows.sum_count() {
-        let name = format!("sums: {}", light.name);
-        let mut pass = begin(encoder, frame, &name, Some(sums.attachment()), keep, timer);
-        passes.shadows.draw_sums(&mut pass, frame.shadow_view, light.shadows, i);
+    for i in 0..light.sum_count() {
+        let label = format!("sums: {name}");
+        let mut pass = begin(encoder, frame, &label, Some(sums.attachment()), keep, timer);
+        passes.shadows.draw_sums(&mut pass, frame.shadow_view, light, i);
         drop(pass);
-        let mut pass = begin(encoder, frame, &format!("fold: {}", light.name), None, keep, timer);
-        passes.shadows.draw_fold(&mut pass, light.shadows, i, sums);
+        let mut pass = begin(encoder, frame, &format!("fold: {name}"), None, keep, timer);
+        passes.shadows.draw_fold(&mut pass, light, i, sums);
     }
+}
+
+/// Records what finds how much of a light is seen from the depth that is there.
+pub(crate) fn record_visibility(
+    gpu: &Gpu,
+    passes: &Passes,
+    frame: Frame<'_>,
+    light: (&str, &SoftLight),
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let (Some(soft), Some(to)) = (passes.soft.get(), frame.targets.soft()) else { return };
+    soft.record(gpu, (frame.targets, to), frame.shadow_view, light, encoder, timer);
+}
+
+/// Records the surfaces, and how much of the first light is seen there.
+pub(crate) fn record_visibility_alone(
+    gpu: &Gpu,
+    passes: &Passes,
+    frame: Frame<'_>,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    record_surface(passes, frame, true, encoder, timer);
+    if let Some((light, soft)) = frame.lights.first().and_then(|light| Some((light, light.shadows.soft()?))) {
+        record_visibility(gpu, passes, frame, (light.name, soft), encoder, timer);
+    }
+}
+
+fn record_soft_light(
+    passes: &Passes,
+    frame: Frame<'_>,
+    (name, light): (&str, &SoftLight),
+    is_last: bool,
+    encoder: &mut wgpu::CommandEncoder,
+    timer: &mut PassTimer,
+) {
+    let (Some(soft), Some(visibility)) = (passes.soft_light.get(), frame.targets.soft()) else { return };
+    let color = color_attachment(frame.targets, wgpu::LoadOp::Load, is_last);
+    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
+    let mut pass = begin(encoder, frame, &format!("light: {name}"), Some(color), keep, timer);
+    light.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
+    soft.draw(&mut pass, (frame.scene, frame.spheres), light.group(), visibility);
 }
 
 /// Records the tone mapping into `to`, a headless texture or a window's.

@@ -72,6 +72,12 @@ pub enum GpuError {
         /// The adapter's label.
         adapter: String,
     },
+    /// The device can't shade the samples of a pixel one by one.
+    #[error("{adapter} can't draw soft shadows with several samples a pixel; draw one (--samples 1)")]
+    NoSoftSamples {
+        /// The adapter's label.
+        adapter: String,
+    },
     /// The picture does not fit into one texture of this device.
     #[error("a picture of {}x{} pixels can't be drawn: {adapter} allows {allowed} a side", size_px[0], size_px[1])]
     PictureTooLarge {

@@ -23,6 +23,7 @@ mod readback;
 mod renderer;
 mod shaders;
 mod shadow;
+pub mod soft;
 mod targets;
 mod texture_displacer;
 mod timing;
@@ -37,7 +38,7 @@ pub use gpu_scene::GpuScene;
 pub use look::Look;
 pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
-pub use renderer::{Mask, Picture, Renderer, Shot};
+pub use renderer::{Mask, Picture, Renderer, Shot, Visibility};
 pub use shadow::{
     CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, FoundSmoothSilhouette, LIT, LightMark, LightReport,
     Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource,

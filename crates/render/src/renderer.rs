@@ -1,19 +1,20 @@
 //! A scene, a camera and lights into a picture or a mask.
 
-use umbrae_core::{Camera, Caster, Light, Sphere};
+use std::sync::OnceLock;
+
+use umbrae_core::{Camera, Caster, Extent, Light, Sphere};
 
 use crate::frame::{self, Frame, Passes};
 use crate::passes::{
     GlassPass, GpuOverlay, Layouts, LightPass, OverlayPass, SpherePass, SurfacePass, TonePass, uniform_group,
 };
 use crate::prepared::PreparedLights;
-use crate::shadow::{ShadowTarget, Shadows, Tally, TallyKind};
+use crate::shadow::{ShadowLight, ShadowTarget, Shadows, Tally, TallyKind};
+use crate::soft::SoftLightPass;
 use crate::targets::{Output, PICTURE_FORMAT};
 use crate::timing::PassTimer;
 use crate::uniforms::{LightUniform, View};
-use crate::{
-    Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Smooth, Targets,
-};
+use crate::{Gpu, GpuError, GpuScene, LightReport, Look, Overlay, PassTime, ShadowOptions, SilhouetteSource, Targets};
 
 /// Draws pictures and masks, with pipelines compiled once.
 #[derive(Debug)]
@@ -87,6 +88,17 @@ pub struct Mask {
     pub light: LightReport,
 }
 
+/// How much of a light is seen.
+#[derive(Debug, Clone)]
+pub struct Visibility {
+    /// One share a pixel, 0 to 1, row by row from the top.
+    pub seen: Vec<f32>,
+    /// What was drawn.
+    pub light: LightReport,
+    /// GPU times of the passes in order; empty where the device can't tell.
+    pub passes: Vec<PassTime>,
+}
+
 impl Renderer {
     /// Compiles every pipeline, for pictures with `samples` (1 or 4) samples a pixel.
     pub fn new(gpu: Gpu, samples: u32) -> Self {
@@ -105,6 +117,8 @@ impl Renderer {
                 shadows: Shadows::new(&gpu, &target),
                 light: LightPass::new(&gpu, &layouts, output, samples),
                 spheres: SpherePass::new(&gpu, &layouts, output, samples),
+                soft: OnceLock::new(),
+                soft_light: OnceLock::new(),
             }
         };
         let picture = passes(Output::Picture, samples);
@@ -138,10 +152,9 @@ impl Renderer {
         let finished = readable_texture(&self.gpu, "picture", PICTURE_FORMAT, size_px);
         let to = finished.create_view(&wgpu::TextureViewDescriptor::default());
 
-        let smooth = if shot.shadows.smooth == Smooth::Off { 0 } else { shot.casters.len() };
-        let mut timer = PassTimer::new(&self.gpu, frame::pass_count(shot.lights.len(), smooth));
+        let mut timer = PassTimer::off();
         let mut encoder = self.encoder("picture");
-        let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer)?;
+        let lights = self.record(shot, &targets, &to, &mut encoder, &mut timer, true)?;
         let times = timer.resolve(&self.gpu, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
         let lights = lights.reports();
@@ -166,7 +179,7 @@ impl Renderer {
         to: &wgpu::TextureView,
     ) -> Result<Vec<LightReport>, GpuError> {
         let mut encoder = self.encoder("frame");
-        let lights = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off())?;
+        let lights = self.record(shot, targets, to, &mut encoder, &mut PassTimer::off(), false)?;
         self.gpu.queue.submit([encoder.finish()]);
         Ok(lights.reports())
     }
@@ -179,11 +192,19 @@ impl Renderer {
         to: &wgpu::TextureView,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut PassTimer,
+        is_timed: bool,
     ) -> Result<PreparedLights<'a>, GpuError> {
         let shadow_view = self.picture.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.picture.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
-        let prepared = PreparedLights::new(&self.gpu, &self.picture.shadows, shot, &shadow_view, shot.lights)?;
+        let prepared = PreparedLights::new(&self.gpu, &self.picture, shot, &shadow_view, shot.lights)?;
         let lights = prepared.for_frame(&self.gpu, shot.lights, targets)?;
+        if is_timed {
+            *timer = PassTimer::new(&self.gpu, frame::pass_count(&lights));
+        }
+        if lights.iter().any(|light| light.shadows.soft().is_some()) {
+            let make = || SoftLightPass::new(&self.gpu, &self.layouts, self.samples);
+            self.picture.soft_light.get_or_init(make);
+        }
         let view = self.view_group(shot.camera, shot.look);
         let uniforms: Vec<LightUniform> = shot.lights.iter().map(LightUniform::new).collect();
         let glass = self.glass.prepare(&self.gpu, shot.scene, shot.camera.eye(), &uniforms)?;
@@ -203,7 +224,7 @@ impl Renderer {
             glass,
             overlay,
         };
-        frame::record(&self.picture, frame, encoder, timer);
+        frame::record(&self.gpu, &self.picture, frame, encoder, timer);
         let radiance = self.tone.bind(&self.gpu, targets);
         frame::record_tone(&self.tone, &radiance, &view, to, encoder, timer);
         Ok(prepared)
@@ -216,11 +237,49 @@ impl Renderer {
     /// As [`Renderer::picture`].
     pub async fn mask(&self, shot: &Shot<'_>, light: &Light) -> Result<Mask, GpuError> {
         let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
+        let shadows = ShadowOptions { soft: false, ..shot.shadows };
+        let shot = &Shot { shadows, ..*shot };
         let (light, _) = self.submit_one(shot, light, &targets, "mask", |frame, encoder| {
-            frame::record(&self.mask, frame, encoder, &mut PassTimer::off());
+            frame::record(&self.gpu, &self.mask, frame, encoder, &mut PassTimer::off());
         })?;
         let verdicts = self.gpu.read(&targets.resolved).await?;
         Ok(Mask { verdicts, light })
+    }
+
+    /// For each pixel, row by row from the top, the share of `light` that is seen from what is seen at the pixel's centre: 1 where nothing covers it, and
+    /// where there is no surface. Whatever else the light may lack there (turned away, out of reach) does not count. See [`crate::soft`] for
+    /// how exact it is.
+    ///
+    /// 32-bit numbers where the device can multiply these, else 16.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::picture`].
+    ///
+    /// # Panics
+    ///
+    /// If the light is a point or a direction: [`Renderer::mask`] has its verdicts.
+    pub async fn visibility(&self, shot: &Shot<'_>, light: &Light) -> Result<Visibility, GpuError> {
+        assert_ne!(light.extent, Extent::Point, "a light without a size is seen or not");
+        let targets = Targets::new(&self.gpu, Output::Mask, shot.camera.size_px(), 1)?;
+        let shot = &Shot { shadows: ShadowOptions { soft: true, ..shot.shadows }, ..*shot };
+        let mut timer = PassTimer::off();
+        let mut times = None;
+        let (light, _) = self.submit_one(shot, light, &targets, "visibility", |frame, encoder| {
+            timer = PassTimer::new(&self.gpu, frame::pass_count(frame.lights));
+            frame::record_visibility_alone(&self.gpu, &self.mask, frame, encoder, &mut timer);
+            times = timer.resolve(&self.gpu, encoder);
+        })?;
+        let texture = &targets.soft().expect("a soft light has targets").visibility_texture;
+        let bytes = self.gpu.read(texture).await?;
+        let numbers: Vec<f32> = if texture.format() == wgpu::TextureFormat::Rgba32Float {
+            bytes.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
+        } else {
+            bytes.as_chunks().0.iter().map(|&two| half::f16::from_le_bytes(two).to_f32()).collect()
+        };
+        let seen = numbers.as_chunks::<4>().0.iter().map(|quarters| quarters.iter().sum::<f32>() / 4.0).collect();
+        let passes = timer.read(&self.gpu, times).await?;
+        Ok(Visibility { seen, light, passes })
     }
 
     /// For each pixel, row by row from the top, how many of the volumes of one light of `shot` hold what is seen there, signed as they are
@@ -262,7 +321,7 @@ impl Renderer {
             SilhouetteSource::Gpu | SilhouetteSource::GpuBasic => SilhouetteSource::Auto,
             on_cpu => on_cpu,
         };
-        let shadows = ShadowOptions { silhouettes, ..shot.shadows };
+        let shadows = ShadowOptions { silhouettes, soft: false, ..shot.shadows };
         let shot = &Shot { shadows, ..*shot };
         let size_px = shot.camera.size_px();
         let targets = Targets::new(&self.gpu, Output::Mask, size_px, 1)?;
@@ -292,7 +351,7 @@ impl Renderer {
         let shadow_view = self.mask.shadows.view_with_spheres(&self.gpu, shot.casters, shot.spheres, shot.camera);
         let spheres = self.mask.spheres.upload(&self.gpu, shot.spheres, shot.camera)?;
         let one = std::slice::from_ref(light);
-        let prepared = PreparedLights::new(&self.gpu, &self.mask.shadows, shot, &shadow_view, one)?;
+        let prepared = PreparedLights::new(&self.gpu, &self.mask, shot, &shadow_view, one)?;
         let lights = prepared.for_frame(&self.gpu, one, targets)?;
         let view = self.view_group(shot.camera, &Look::NONE);
         let mut encoder = self.encoder(label);
@@ -309,7 +368,7 @@ impl Renderer {
         };
         record(frame, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
-        let start = lights.iter().map(|light| light.shadows.start()).sum();
+        let start = lights.iter().filter_map(|light| light.shadows.hard()).map(ShadowLight::start).sum();
         let report = prepared.reports().pop().expect("one light has one report");
         Ok((report, start))
     }

@@ -31,6 +31,48 @@ pub(crate) fn sphere(device: &wgpu::Device, is_per_sample: bool) -> wgpu::Shader
     module(device, "sphere", &[VIEW, LIGHT, SURFACE, source])
 }
 
+/// A light with a size on surfaces, `samples` samples a pixel.
+pub(crate) fn soft_light(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source = if samples > 1 {
+        include_str!("shaders/soft_light_samples.wgsl")
+    } else {
+        include_str!("shaders/soft_light.wgsl")
+    };
+    module(device, "soft light", &[VIEW, LIGHT, SURFACE, source])
+}
+
+/// The same on spheres.
+pub(crate) fn soft_sphere(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source = if samples > 1 {
+        include_str!("shaders/soft_sphere_samples.wgsl")
+    } else {
+        include_str!("shaders/soft_sphere.wgsl")
+    };
+    module(device, "soft light on spheres", &[VIEW, LIGHT, SURFACE, include_str!("shaders/sphere.wgsl"), source])
+}
+
+/// What casters cover of a light with a size.
+pub(crate) fn soft_coverage(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let depth = if samples > 1 {
+        include_str!("shaders/soft_depth_samples.wgsl")
+    } else {
+        include_str!("shaders/soft_depth.wgsl")
+    };
+    let volume = include_str!("shaders/volume.wgsl");
+    let (face, coverage) = (include_str!("shaders/light_face.wgsl"), include_str!("shaders/soft_coverage.wgsl"));
+    module(device, "coverage", &[VIEW, LIGHT, volume, face, coverage, depth])
+}
+
+/// What they leave of it.
+pub(crate) fn soft_composite(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModule {
+    let source = if samples > 1 {
+        include_str!("shaders/soft_composite_samples.wgsl")
+    } else {
+        include_str!("shaders/soft_composite.wgsl")
+    };
+    module(device, "composite", &[source])
+}
+
 pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     module(device, "volume", &[VIEW, LIGHT, include_str!("shaders/volume.wgsl")])
 }

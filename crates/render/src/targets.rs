@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use crate::soft::SoftTargets;
 use crate::{Gpu, GpuError, ShadowSums};
 
 /// Radiance of pictures: 16-bit floats, so that many lights add up without bands.
@@ -46,11 +47,13 @@ pub struct Targets {
     pub(crate) resolved: wgpu::Texture,
     pub(crate) resolved_view: wgpu::TextureView,
     pub(crate) depth_stencil: wgpu::TextureView,
+    depth_stencil_texture: wgpu::Texture,
     pub(crate) samples: u32,
     pub(crate) output: Output,
     size_px: [u32; 2],
     /// Made when first needed.
     sums: OnceLock<ShadowSums>,
+    soft: OnceLock<SoftTargets>,
 }
 
 impl Targets {
@@ -86,8 +89,20 @@ impl Targets {
         } else {
             resolved_view.clone()
         };
-        let depth_stencil = view(&texture("depth stencil", gpu.caps.depth_stencil_format, samples, none));
-        Ok(Self { color, resolved, resolved_view, depth_stencil, samples, output, size_px, sums: OnceLock::new() })
+        let read = wgpu::TextureUsages::TEXTURE_BINDING;
+        let depth_stencil_texture = texture("depth stencil", gpu.caps.depth_stencil_format, samples, read);
+        Ok(Self {
+            color,
+            resolved,
+            resolved_view,
+            depth_stencil: view(&depth_stencil_texture),
+            depth_stencil_texture,
+            samples,
+            output,
+            size_px,
+            sums: OnceLock::new(),
+            soft: OnceLock::new(),
+        })
     }
 
     /// Makes what volumes are added up in that the stencil can't count, unless that was done.
@@ -102,6 +117,34 @@ impl Targets {
             let _ = self.sums.set(sums);
         }
         Ok(())
+    }
+
+    /// Makes what soft shadows are drawn into, unless that was done.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NoSoftSamples`].
+    pub(crate) fn make_soft(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        if self.soft.get().is_none() {
+            let soft = SoftTargets::new(gpu, self.size_px, self.samples)?;
+            // Whoever was faster made the same.
+            let _ = self.soft.set(soft);
+        }
+        Ok(())
+    }
+
+    /// What [`Targets::make_soft`] made.
+    pub(crate) fn soft(&self) -> Option<&SoftTargets> {
+        self.soft.get()
+    }
+
+    /// The depth alone, for shaders to read.
+    pub(crate) fn depth_to_read(&self) -> wgpu::TextureView {
+        self.depth_stencil_texture.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("depth"),
+            aspect: wgpu::TextureAspect::DepthOnly,
+            ..wgpu::TextureViewDescriptor::default()
+        })
     }
 
     /// What [`Targets::make_sums`] made.

@@ -312,8 +312,8 @@ pub(crate) mod tests {
                 sides,
                 faces,
                 caps,
-                unused_a,
-                unused_b,
+                edge_triangles,
+                flats,
             ]
         );
         assert_eq!(size_of::<SmoothJobSlot>(), 256, "the largest offset that a device may ask for");

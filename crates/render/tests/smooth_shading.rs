@@ -15,8 +15,9 @@ use umbrae_render::{
 
 const SIZE_PX: [u32; 2] = [160, 120];
 
-/// As a cosine: nearer to a right angle to the light than that, rounding of interpolated normals decides.
-const NEAR_RIGHT_ANGLE: f64 = 1e-3;
+/// As a cosine: nearer to a right angle to the light than that, rounding of interpolated normals decides for the sun; for a lamp whose distance
+/// is some radii, also how far the triangles are from the sphere.
+const NEAR_RIGHT_ANGLE: [f64; 2] = [1e-3, 0.05];
 
 fn renderer() -> Renderer {
     let gpu = pollster::block_on(Gpu::new(&AdapterChoice::default()))
@@ -82,7 +83,7 @@ fn cosine(normal: DVec3, to_light: DVec3) -> f64 {
 #[test]
 fn a_coarse_ball_is_lit_up_to_the_terminator_of_a_sphere() {
     let renderer = renderer();
-    for light in lights(1.0) {
+    for (light, near_right_angle) in lights(1.0).into_iter().zip(NEAR_RIGHT_ANGLE) {
         let wrong = [true, false].map(|is_round| {
             let (scene, casters) = ball(is_round);
             let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
@@ -90,8 +91,9 @@ fn a_coarse_ball_is_lit_up_to_the_terminator_of_a_sphere() {
             let mask = pollster::block_on(renderer.mask(&Shot::new(&drawn, &casters, &camera, &[]), &light)).unwrap();
             let is_wrong = |(verdict, point): &(&u8, Option<DVec3>)| {
                 point.is_some_and(|p| {
-                    let cosine = cosine(from_origin(p), light.position.offset_from(p));
-                    cosine.abs() > NEAR_RIGHT_ANGLE && **verdict != if cosine > 0.0 { 255 } else { 0 }
+                    let on_sphere = from_origin(p);
+                    let cosine = cosine(on_sphere, light.position.offset_from(on_sphere));
+                    cosine.abs() > near_right_angle && **verdict != if cosine > 0.0 { 255 } else { 0 }
                 })
             };
             let [wrong, ball] = [true, false].map(|only_wrong| {
@@ -104,6 +106,26 @@ fn a_coarse_ball_is_lit_up_to_the_terminator_of_a_sphere() {
         // Where a pixel's centre is on the ball's outline, the ray and the rasteriser may see different triangles.
         assert!(wrong[0] <= 4 && wrong[1] > 100, "{}: {wrong:?} pixels are wrong, round and flat", light.name);
     }
+}
+
+/// Silhouettes of smooth bodies go where corners are lit on one side and not on the other: what is lit must not reach beyond.
+#[test]
+fn a_lamp_over_a_triangle_but_within_the_round_ball_lights_nothing_of_it() {
+    let renderer = renderer();
+    let lit = [true, false].map(|is_round| {
+        let (scene, casters) = ball(is_round);
+        let middle = casters[0].corners(0).iter().sum::<Vec3>().as_dvec3() / 3.0;
+        let lamp = middle * (0.98 / middle.length());
+        assert!(middle.length() < 0.96, "the lamp is over the triangle");
+        let light = Light::new("lamp", LightPosition::point(lamp), Vec3::ONE);
+        let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+        let camera = Camera::new(middle * 4.0, DVec3::ZERO, 0.7, 0.05, SIZE_PX).unwrap();
+        let mask = pollster::block_on(renderer.mask(&Shot::new(&drawn, &casters, &camera, &[]), &light)).unwrap();
+        let judged = Oracle::new(&casters).judge(&camera, &[light], || ()).remove(0);
+        assert_eq!(compare(&mask.verdicts, &judged).errors, []);
+        mask.verdicts.iter().filter(|&&verdict| verdict == 255).count()
+    });
+    assert!(lit[0] == 0 && lit[1] > 300, "{lit:?} pixels are lit, round and flat");
 }
 
 /// What a picture's byte was before tone mapping, which takes 0.04 off colours of medium brightness.

@@ -15,7 +15,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use random::Random;
 use soup::soup;
 use umbrae_core::{
-    Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, Verdict, shapes,
+    Bounds, Camera, Caster, Light, LightPosition, Material, Mesh, Object, Oracle, Role, Scene, Surface, Verdict, shapes,
 };
 use umbrae_render::{
     Displacement, Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, Shot,
@@ -136,6 +136,68 @@ fn what_has_moved_casts_from_where_it_is() {
         assert_eq!(comparison.errors, [], "at {x} m");
         assert!(comparison.decided > 5_000, "{} pixels decided", comparison.decided);
     }
+}
+
+/// A ball of 80 triangles, flat or shaded as if it were round, that casts nothing, and the sun's mask of it.
+fn mask_of_ball(renderer: &Renderer, is_round: bool) -> Vec<u8> {
+    let role = Role { casts: false, ..Role::default() };
+    let mut casters = caster_of(shapes::icosphere(Vec3::ZERO, 1.0, 1));
+    casters[0].role = role;
+    if is_round {
+        let normals = (0..80).map(|t| casters[0].corners(t).map(Vec3::normalize_or_zero)).collect();
+        casters[0].shading_normals = normals;
+    }
+    let drawn = GpuScene::new(renderer.gpu(), &casters, &[Material::default()], &[]).unwrap();
+    let camera = Camera::new(DVec3::new(2.5, -2.0, 1.5), DVec3::ZERO, 0.7, 0.05, [160, 120]).unwrap();
+    let sun = Light::new("sun", LightPosition::directional(DVec3::new(-0.3, -0.9, 0.5)).unwrap(), Vec3::ONE);
+    let shot = Shot { shadows: options(Method::Auto), ..Shot::new(&drawn, &casters, &camera, &[]) };
+    let verdicts = pollster::block_on(renderer.mask(&shot, &sun)).unwrap().verdicts;
+    let judged = Oracle::new(&casters).judge(&camera, &[sun], || ()).remove(0);
+    let comparison = compare(&verdicts, &judged);
+    assert_eq!(comparison.errors, []);
+    assert!(comparison.decided > 4_000, "{} pixels decided", comparison.decided);
+    verdicts
+}
+
+#[test]
+fn a_coarse_ball_can_be_shaded_as_a_round_one() {
+    let limited = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    for gpu in [Some(limited), gpu(wgpu::Backends::GL)].into_iter().flatten() {
+        let renderer = Renderer::new(gpu, 1);
+        let [round, flat] = [true, false].map(|is_round| mask_of_ball(&renderer, is_round));
+        let different = round.iter().zip(&flat).filter(|(a, b)| a != b).count();
+        assert!(different > 100, "{different} pixels differ");
+    }
+}
+
+#[test]
+fn what_a_function_moves_is_flat_and_the_rest_stays_round() {
+    let renderer = Renderer::new(gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver"), 1);
+    let role = Role { casts: false, ..Role::default() };
+    let ball = |x: f32| {
+        let mesh = Mesh::new(shapes::icosphere(Vec3::X * x, 0.9, 1)).unwrap();
+        Object { role, ..Object::new("", Arc::new(mesh), DAffine3::IDENTITY) }
+    };
+    let scene =
+        Scene { objects: vec![ball(-1.0), ball(1.0)], materials: vec![Material::default()], ..Scene::default() };
+    let mut casters = Caster::of_scene(&scene);
+    for (caster, x) in casters.iter_mut().zip([-1.0, 1.0]) {
+        let normal = |p: Vec3| (p - Vec3::X * x).normalize_or_zero();
+        caster.shading_normals = (0..80).map(|t| caster.corners(t).map(normal)).collect();
+    }
+    let drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &scene.textures).unwrap();
+    let still = "fn moved(p: vec3f, vertex: u32, time_s: f32) -> vec3f { return p; }";
+    let displacement = Displacement { wgsl: still, max_offset_m: 0.1, objects: &[0] };
+    let made = TextureDisplacer::new(renderer.gpu(), &scene, &mut casters, &drawn, &displacement);
+    pollster::block_on(made).unwrap().show(renderer.gpu(), &drawn, 1.0);
+    casters[0].shading_normals.clear();
+    let camera = Camera::new(DVec3::new(1.5, -4.0, 2.0), DVec3::ZERO, 0.7, 0.05, [160, 120]).unwrap();
+    let sun = Light::new("sun", LightPosition::directional(DVec3::new(-0.8, -0.5, 0.3)).unwrap(), Vec3::ONE);
+    let shot = Shot { shadows: options(Method::Auto), ..Shot::new(&drawn, &casters, &camera, &[]) };
+    let verdicts = pollster::block_on(renderer.mask(&shot, &sun)).unwrap().verdicts;
+    let comparison = compare(&verdicts, &Oracle::new(&casters).judge(&camera, &[sun], || ()).remove(0));
+    assert_eq!(comparison.errors, []);
+    assert!(comparison.decided > 3_000, "{} pixels decided", comparison.decided);
 }
 
 /// Spheres that the user's function displaces, at several times: how many pixels are decided, none of them wrong.

@@ -1,8 +1,10 @@
 //! Times the engine on a city of boxes, and writes what it was asked and what it answered, for other programs to be asked the same.
 //!
 //! ```text
-//! cargo run --release -p umbrae-study --example city_hours -- BOXES RECEIVERS SUNS [THREADS] [DIR]
+//! cargo run --release -p umbrae-study --example city_hours -- BOXES RECEIVERS SUNS [THREADS] [DIR | --disc]
 //! ```
+//!
+//! With `--disc` nothing is written, and the sun's disc is timed too.
 //!
 //! The city, its receivers and its suns are those of `city/mod.rs`.
 
@@ -52,9 +54,37 @@ fn main() -> Result<(), Box<dyn Error>> {
         tests as f64 / engine_s / 1e6,
         exposure.undecided.len(),
     )?;
+    if args.get(4).is_some_and(|last| last == "--disc") {
+        return time_disc(&blockers, &receivers, &packets, &lights, engine_s);
+    }
     if let Some(folder) = args.get(4) {
         write(Path::new(folder), &casters, &receivers, &suns, &packets, &exposure)?;
     }
+    Ok(())
+}
+
+/// Says how long the disc takes, and how many receivers see part of it.
+fn time_disc(
+    blockers: &Blockers,
+    receivers: &Receivers,
+    packets: &Packets,
+    lights: &[Option<DVec3>],
+    engine_s: f64,
+) -> Result<(), Box<dyn Error>> {
+    let start = Instant::now();
+    let exposure = blockers
+        .expose_disc(receivers, packets, 0..packets.len(), lights, &AtomicBool::new(false), || {})
+        .ok_or("stopped")?;
+    let disc_s = start.elapsed().as_secs_f64();
+    let tests = receivers.len() * lights.len();
+    writeln!(
+        io::stdout(),
+        "{{\"disc_s\": {disc_s:.4}, \"million_shares_per_s\": {:.1}, \"times_engine\": {:.1}, \"partial\": {}, \"partial_percent\": {:.2}}}",
+        tests as f64 / disc_s / 1e6,
+        disc_s / engine_s,
+        exposure.partial.len(),
+        100.0 * exposure.partial.len() as f64 / tests as f64,
+    )?;
     Ok(())
 }
 

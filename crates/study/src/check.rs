@@ -1,9 +1,11 @@
 //! A second way to the same answer: rays in double precision, one for each verdict, through a structure that shares nothing with the engine's.
 
-use glam::DVec3;
+use std::f64::consts::FRAC_PI_4;
+
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::{Blockers, Exposure, Packets, Receivers};
+use crate::{Blockers, Exposure, Packets, Receivers, SunDisc};
 
 /// What a check has found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,5 +70,53 @@ impl Blockers {
             check
         };
         sampled.map(check_one).reduce(Check::default, Check::plus)
+    }
+
+    /// The share of the sun's disc that `side` times `side` rays find unhidden, one to a random place in each of as many equal parts of the disc: an estimate of
+    /// [`Blockers::visible_share`] that shares nothing with it. The same on every run. About a microsecond a ray.
+    ///
+    /// A ray errs only where its part is cut by the edge of something: by one straight edge about a thousandth of the disc (one standard deviation) with 64 times 64
+    /// rays, and by whatever there is at most 0.5 / `side`.
+    pub fn visible_share_by_rays(&self, position: DVec3, normal: Vec3, to_sun: DVec3, side: u32) -> f64 {
+        let disc = SunDisc::new(to_sun);
+        let bits = [position.x, position.y, position.z, to_sun.x, to_sun.y, to_sun.z].map(f64::to_bits);
+        let mut random = SplitMix(bits.iter().fold(0, |seed, &bits| seed ^ bits).wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut seen = 0_u32;
+        for part in 0..side * side {
+            let [x, y] =
+                [part % side, part / side].map(|i| 2.0 * (f64::from(i) + random.unit()) / f64::from(side) - 1.0);
+            let direction = disc.direction(in_disc(DVec2::new(x, y)));
+            seen += u32::from(direction.z > 0.0 && self.sees(position, normal, direction));
+        }
+        f64::from(seen) / f64::from((side * side).max(1))
+    }
+}
+
+/// A place of the square around the disc, on the disc: equal areas stay equal.
+///
+/// Source: P. Shirley and K. Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997.
+fn in_disc(place: DVec2) -> DVec2 {
+    if place == DVec2::ZERO {
+        return place;
+    }
+    let (radius, angle) = if place.x.abs() > place.y.abs() {
+        (place.x, FRAC_PI_4 * place.y / place.x)
+    } else {
+        (place.y, FRAC_PI_4 * (2.0 - place.x / place.y))
+    };
+    radius * DVec2::from_angle(angle)
+}
+
+/// Random numbers that are the same on every run: `SplitMix64` (G. L. Steele, D. Lea, C. H. Flood 2014).
+struct SplitMix(u64);
+
+impl SplitMix {
+    /// From 0, below 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }

@@ -3,6 +3,8 @@
 //! A step stands for its middle, so between two steps of which one is in the sun and one is not, the change is somewhere between the two
 //! middles. [`SunHours::of_steps`] puts it where the steps meet, and says how wrong that may be; [`SunHours::refined`] looks for it.
 //!
+//! Where the sun is a disc, a step counts for as much as is seen of it in its middle: [`SunHours::of_shares`].
+//!
 //! What no bound covers: a gleam or a shade that begins and ends between two middles is not seen at all. Shorter steps find more of them.
 
 use jiff::{SignedDuration, Timestamp};
@@ -16,10 +18,19 @@ pub struct Interval {
     pub start: Timestamp,
     /// When it is gone.
     pub end: Timestamp,
+    /// What it is worth, in seconds of all of the sun: as long as it is, but where only part of the sun's disc is seen.
+    pub sun_s: f64,
 }
 
 impl Interval {
-    /// How long it is.
+    /// All of the sun from `start` to `end`.
+    pub fn new(start: Timestamp, end: Timestamp) -> Self {
+        let mut interval = Self { start, end, sun_s: 0.0 };
+        interval.sun_s = interval.duration_s();
+        interval
+    }
+
+    /// How long it is by the clock.
     pub fn duration_s(&self) -> f64 {
         self.end.duration_since(self.start).as_secs_f64()
     }
@@ -53,6 +64,29 @@ impl SunHours {
             {
                 hours.error_bound_s += 0.5 * before.duration_s().max(step.duration_s());
             }
+        }
+        hours
+    }
+
+    /// Sums `steps` at which `share_at` says how much of the sun's disc is seen, 0 to 1, by index; neighbours at which some is seen join, and each step is worth as much of
+    /// its length.
+    ///
+    /// Between two steps that follow each other without a gap the share is taken to be between theirs: that adds half of the longer one, times by how much the
+    /// shares differ, to the bound. What changes within the first half of a run's first step, or the last of its last, is not in it: at sunrise that is what the disc
+    /// takes to rise, some minutes, less than a step as a rule. For shares of 0 and 1 everything is as [`SunHours::of_steps`] has it.
+    pub fn of_shares(steps: &[Step], share_at: impl Fn(usize) -> f64) -> Self {
+        let mut hours = Self::default();
+        let mut share_before = 0.0;
+        for (i, step) in steps.iter().enumerate() {
+            let share = share_at(i);
+            if share > 0.0 {
+                hours.add_worth(step.start, step.end, share * step.duration_s());
+            }
+            if let Some(before) = previous(steps, i) {
+                hours.error_bound_s +=
+                    0.5 * before.duration_s().max(step.duration_s()) * f64::abs(share - share_before);
+            }
+            share_before = share;
         }
         hours
     }
@@ -112,20 +146,27 @@ impl SunHours {
 
     fn add(&mut self, start: Timestamp, end: Timestamp) {
         match self.intervals.last_mut().filter(|last| last.end == start) {
-            Some(last) => last.end = end,
-            None if start < end => self.intervals.push(Interval { start, end }),
+            Some(last) => *last = Interval::new(last.start, end),
+            None if start < end => self.intervals.push(Interval::new(start, end)),
             None => {}
         }
     }
 
-    /// All the sun, in seconds.
-    pub fn total_s(&self) -> f64 {
-        self.intervals.iter().map(Interval::duration_s).sum()
+    fn add_worth(&mut self, start: Timestamp, end: Timestamp, sun_s: f64) {
+        match self.intervals.last_mut().filter(|last| last.end == start) {
+            Some(last) => *last = Interval { end, sun_s: last.sun_s + sun_s, ..*last },
+            None => self.intervals.push(Interval { start, end, sun_s }),
+        }
     }
 
-    /// The longest sun without a break, in seconds.
+    /// All the sun, in seconds of all of its disc.
+    pub fn total_s(&self) -> f64 {
+        self.intervals.iter().map(|interval| interval.sun_s).sum()
+    }
+
+    /// The longest sun without a break, in seconds of all of its disc.
     pub fn longest_s(&self) -> f64 {
-        self.intervals.iter().map(Interval::duration_s).fold(0.0, f64::max)
+        self.intervals.iter().map(|interval| interval.sun_s).fold(0.0, f64::max)
     }
 }
 
@@ -161,6 +202,21 @@ mod tests {
         assert_eq!(spans, [120.0, 60.0, 120.0], "a gap parts steps that follow each other");
         assert_eq!(hours.error_bound_s, 4.0 * 30.0);
         assert_eq!([hours.total_s(), hours.longest_s()], [300.0, 120.0]);
+    }
+
+    #[test]
+    fn shares_count_for_as_much_of_their_steps_and_whole_ones_as_bits_do() {
+        let shares = [0.0, 0.25, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.125, 0.0];
+        let hours = SunHours::of_shares(&steps(), |i| shares[i]);
+        let worth: Vec<f64> = hours.intervals.iter().map(|interval| interval.sun_s).collect();
+        assert_eq!(worth, [105.0, 120.0, 7.5]);
+        assert_eq!(hours.intervals[0].duration_s(), 180.0);
+        // 0.25, 0.75, 0.5, 0.5 before the gap, and after it 0, 1, 0.125, 0.125 of half a minute.
+        assert_eq!(hours.error_bound_s, 30.0 * (2.0 + 1.25));
+        assert_eq!([hours.total_s(), hours.longest_s()], [232.5, 120.0]);
+        let is_lit = |i: usize| [1, 2, 4, 5, 6].contains(&i);
+        let of_shares = SunHours::of_shares(&steps(), |i| f64::from(u8::from(is_lit(i))));
+        assert_eq!(of_shares, SunHours::of_steps(&steps(), is_lit));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use jiff::Timestamp;
 use solar_positioning::{RefractionCorrection, SolarPositions};
+use umbrae_core::SUN_DIAMETER_RAD;
 
 use crate::julian::julian;
 use crate::{Place, TimeError};
@@ -89,6 +90,15 @@ impl Sun {
     /// Whether it is high enough to count: above the horizon, and not below the least altitude of `options`.
     pub fn counts(&self, options: &SunOptions) -> bool {
         self.altitude_rad > 0.0 && self.altitude_rad >= options.min_altitude_rad
+    }
+
+    /// The same for the sun as a disc: whether some of it is above the horizon, and its middle not below the least altitude of `options`.
+    ///
+    /// Without a least altitude that is from the moment in which the disc's upper edge rises; what is still below the horizon then is hidden
+    /// ([`crate::SunDisc::share_above_horizon`]). A least altitude is one of the middle, as rules have it: from there on all of the disc counts.
+    pub fn counts_as_disc(&self, options: &SunOptions) -> bool {
+        let least = if options.min_altitude_rad > 0.0 { options.min_altitude_rad } else { -0.5 * SUN_DIAMETER_RAD };
+        self.altitude_rad > -0.5 * SUN_DIAMETER_RAD && self.altitude_rad >= least
     }
 
     /// Unit vector from the scene to the sun; x east, y north, z up.

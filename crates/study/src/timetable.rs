@@ -130,6 +130,12 @@ impl Timetable {
         self.steps.iter().map(|step| step.is_day.then(|| step.sun.direction(north_rad))).collect()
     }
 
+    /// The same for the sun as a disc, which counts while any of it is above the horizon: see [`Sun::counts_as_disc`].
+    pub fn disc_directions(&self, options: &SunOptions, north_rad: f64) -> Vec<Option<DVec3>> {
+        let direction = |step: &Step| step.sun.counts_as_disc(options).then(|| step.sun.direction(north_rad));
+        self.steps.iter().map(direction).collect()
+    }
+
     /// Indices of the steps of day `day`.
     pub fn steps_of_day(&self, day: usize) -> std::ops::Range<usize> {
         let start = self.steps.partition_point(|step| (step.day as usize) < day);

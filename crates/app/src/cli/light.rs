@@ -6,8 +6,9 @@ use anyhow::ensure;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use glam::{DVec3, Vec3};
 
+use crate::extent::ExtentChoice;
 use crate::lights::{LampChoice, LampPlace};
-use crate::parse::{SpotPlace, azimuth_altitude_deg, candela, cone_deg, linear_color, metres, spot, xyz};
+use crate::parse::{SpotPlace, azimuth_altitude_deg, candela, cone_deg, linear_color, metres, spot, width_height, xyz};
 
 /// Everything that was said about lamps.
 #[derive(Debug, Clone, Default)]
@@ -30,6 +31,7 @@ enum Meaning {
     Intensity(f32),
     Range(f64),
     Inner(f64),
+    Extent(ExtentChoice),
 }
 
 impl fmt::Display for Word {
@@ -72,6 +74,15 @@ struct Options {
     /// Degrees from the middle of the --spot before it within which it has its full strength (default: four fifths of the cone's)
     #[arg(long, value_name = "DEGREES", value_parser = cone_deg, allow_hyphen_values = true)]
     light_inner: Vec<f64>,
+
+    /// Metres from the middle to the edge of the lamp before it, or, before any, of all lamps: a ball, with soft shadows
+    #[arg(long, value_name = "METRES", value_parser = metres, allow_hyphen_values = true)]
+    light_radius: Vec<f64>,
+
+    /// Width and height in metres of the lamp before it, or, before any, of all lamps: a rectangle that faces the model, or where the --spot
+    /// does, with soft shadows
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = width_height, allow_hyphen_values = true)]
+    light_size: Vec<[f64; 2]>,
 }
 
 impl LightArgs {
@@ -88,6 +99,9 @@ impl LightArgs {
                 continue;
             }
             let Some((lamp, choice, said)) = lamps.last_mut() else {
+                if matches!(word.meaning, Meaning::Extent(_)) {
+                    continue;
+                }
                 anyhow::bail!(
                     "{word} stands before any lamp; put it after the --point, --spot or --sun that it is about"
                 );
@@ -118,10 +132,30 @@ impl LightArgs {
                     );
                     choice.inner_deg = Some(degrees);
                 }
+                Meaning::Extent(extent) => {
+                    let is_lamp = !matches!(choice.place, LampPlace::Sun { .. });
+                    ensure!(is_lamp, "{word} is about {lamp}, which is no lamp; --sun-disc gives the sun its size");
+                    choice.extent = Some(extent);
+                }
                 Meaning::Lamp(_) => {}
             }
         }
         Ok(lamps.into_iter().map(|(_, choice, _)| choice).collect())
+    }
+
+    /// What was said, before any lamp, about how large all lamps are.
+    ///
+    /// # Errors
+    ///
+    /// When it was said twice.
+    pub fn extent_of_all(&self) -> anyhow::Result<Option<ExtentChoice>> {
+        let before = self.words.iter().take_while(|word| !matches!(word.meaning, Meaning::Lamp(_)));
+        let extent = |word: &Word| if let Meaning::Extent(extent) = word.meaning { Some(extent) } else { None };
+        let said: Vec<(&Word, ExtentChoice)> = before.filter_map(|word| Some((word, extent(word)?))).collect();
+        if let [(first, _), (second, _), ..] = said.as_slice() {
+            anyhow::bail!("{first} and {second} are both about all lamps; leave one out");
+        }
+        Ok(said.first().map(|&(_, extent)| extent))
     }
 }
 
@@ -137,11 +171,22 @@ impl Args for LightArgs {
 
 impl FromArgMatches for LightArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let Options { sun, point, spot, light_color, light_intensity, light_range, light_inner } =
-            Options::from_arg_matches(matches)?;
+        let Options {
+            sun,
+            point,
+            spot,
+            light_color,
+            light_intensity,
+            light_range,
+            light_inner,
+            light_radius,
+            light_size,
+        } = Options::from_arg_matches(matches)?;
         let sun = sun.map(|[azimuth_deg, altitude_deg]| LampPlace::Sun { azimuth_deg, altitude_deg });
         let lamps = |places: Vec<LampPlace>| places.into_iter().map(Meaning::Lamp).collect();
-        let lists: [(&str, &str, Vec<Meaning>); 7] = [
+        let radii = light_radius.into_iter().map(ExtentChoice::Radius);
+        let sizes = light_size.into_iter().map(ExtentChoice::Size);
+        let lists: [(&str, &str, Vec<Meaning>); 9] = [
             ("sun", "--sun", lamps(sun.into_iter().collect())),
             ("point", "--point", lamps(point.into_iter().map(LampPlace::Point).collect())),
             ("spot", "--spot", lamps(spot.into_iter().map(LampPlace::Spot).collect())),
@@ -149,6 +194,8 @@ impl FromArgMatches for LightArgs {
             ("light_intensity", "--light-intensity", light_intensity.into_iter().map(Meaning::Intensity).collect()),
             ("light_range", "--light-range", light_range.into_iter().map(Meaning::Range).collect()),
             ("light_inner", "--light-inner", light_inner.into_iter().map(Meaning::Inner).collect()),
+            ("light_radius", "--light-radius", radii.map(Meaning::Extent).collect()),
+            ("light_size", "--light-size", sizes.map(Meaning::Extent).collect()),
         ];
         let mut words = Vec::new();
         for (id, option, meanings) in lists {
@@ -202,6 +249,24 @@ mod tests {
         );
         assert!(matches!(lamps[1].place, LampPlace::Sun { azimuth_deg: 90.0, altitude_deg: 45.0 }));
         assert!(matches!(lamps[3].place, LampPlace::Point(point) if point == DVec3::new(-1.0, 0.0, 2.0)));
+    }
+
+    #[test]
+    fn a_size_is_about_the_lamp_before_it_or_about_all() {
+        let line = "--light-radius 0.5 --point 1,2,3 --spot 0,0,4:0,0,-1:30 --light-size 2x1";
+        let of = lamps(line).expect("it is a good line");
+        assert_eq!(of.iter().map(|lamp| lamp.extent).collect::<Vec<_>>(), [None, Some(ExtentChoice::Size([2.0, 1.0]))]);
+        let words = |line: &str| {
+            let words = std::iter::once("umbrae").chain(line.split_whitespace());
+            Line::try_parse_from(words).expect(line).light.extent_of_all()
+        };
+        assert_eq!(words(line).expect("once"), Some(ExtentChoice::Radius(0.5)));
+        let twice = words("--light-radius 0.5 --light-size 2x1").expect_err("twice").to_string();
+        assert!(twice.contains("--light-radius 0.5") && twice.contains("--light-size 2x1"), "{twice}");
+        let sun = lamps("--sun 90,45 --light-radius 1").expect_err("the sun is no lamp").to_string();
+        assert!(sun.contains("--sun-disc"), "{sun}");
+        let both = lamps("--point 1,2,3 --light-radius 1 --light-size 2x1").expect_err("one of both").to_string();
+        assert!(both.contains("leave one out"), "{both}");
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use clap::{Args, ValueEnum};
 use umbrae_core::FinderKind;
-use umbrae_render::{ShadowOptions, SilhouetteSource};
+use umbrae_render::{ShadowOptions, SilhouetteSource, Smooth};
 
 use crate::cast::{CastChoice, Pattern};
+use crate::parse::{crease_deg, metres, pixels};
 
 /// How silhouettes are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -73,6 +74,47 @@ pub struct ShadowArgs {
     #[arg(long, default_value = "auto")]
     method: Method,
 
+    /// Cast the shadows of the smooth surfaces that vertex normals tell of, and shade by them: boundaries do not show how finely a mesh is cut.
+    /// Objects that are not closed or have flat faces cast those of their triangles
+    #[arg(long, conflicts_with_all = ["verify", "silhouette"], help_heading = SMOOTH)]
+    pub smooth: bool,
+
+    /// How far a smooth silhouette may be from its curve, in metres
+    #[arg(
+        long,
+        value_name = "M",
+        default_value = "0.01",
+        value_parser = metres,
+        allow_hyphen_values = true,
+        requires = "smooth",
+        help_heading = SMOOTH
+    )]
+    epsilon: f64,
+
+    /// How far its shadow may be from the curve's on the picture, in pixels; both hold
+    #[arg(
+        long,
+        value_name = "PX",
+        default_value = "0.5",
+        value_parser = pixels,
+        allow_hyphen_values = true,
+        requires = "smooth",
+        help_heading = SMOOTH
+    )]
+    epsilon_px: f64,
+
+    /// Edges that bend by more than this stay sharp, in degrees; where a file gives normals, they tell
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value = "40",
+        value_parser = crease_deg,
+        allow_hyphen_values = true,
+        requires = "smooth",
+        help_heading = SMOOTH
+    )]
+    crease: f64,
+
     /// How silhouettes are found; changes no picture, only its cost
     #[arg(long, value_name = "HOW", default_value = "auto", hide_short_help = true)]
     silhouette: Silhouette,
@@ -122,6 +164,9 @@ pub struct ShadowArgs {
     pub counts_fragments: bool,
 }
 
+/// Where these options stand in the help.
+const SMOOTH: &str = "Smooth shadows";
+
 /// No picture depends on them.
 const WORTH: &str = "What is left out of counting; switches to measure its worth and to test it";
 
@@ -131,10 +176,20 @@ impl ShadowArgs {
         CastChoice { cast: self.cast.clone(), no_cast: self.no_cast.clone(), glass_casts: self.glass_casts }
     }
 
+    /// Edges that bend by more stay sharp; `None` where nothing is smooth.
+    pub fn crease_rad(&self) -> Option<f64> {
+        self.smooth.then(|| self.crease.to_radians())
+    }
+
     /// How shadows are determined.
     pub fn options(&self) -> ShadowOptions {
         ShadowOptions {
             method: self.method.into(),
+            smooth: if self.smooth {
+                Smooth::Curved { epsilon_m: self.epsilon, epsilon_px: Some(self.epsilon_px) }
+            } else {
+                Smooth::Off
+            },
             silhouettes: self.silhouette.into(),
             cull_lights: !(self.no_cull || self.no_light_cull),
             cull_unreached: !(self.no_cull || self.no_reach_cull),
@@ -142,6 +197,8 @@ impl ShadowArgs {
             cull_caps: !(self.no_cull || self.no_cap_cull),
             light_scissor: !(self.no_scissor || self.no_light_scissor),
             caster_scissor: !(self.no_scissor || self.no_caster_scissor),
+            // Lights say themselves whether they are.
+            soft: false,
             light_mark: if self.no_light_mark { LightMark::Off } else { self.light_mark }.into(),
         }
     }

@@ -82,10 +82,15 @@ pub struct StudyArgs {
     #[arg(long, value_name = "FILE", help_heading = "Receivers")]
     pub points: Option<PathBuf>,
 
-    /// Find hours to the second: look every minute, and for each change between two minutes when it is. The pictures and bits remain those of --step.
-    /// Without, each change may be half a step off; the error bound says how much that makes
+    /// Find hours to the second: look every minute, and for each change between two minutes when it is; with --sun-disc, sum the disc's share minute by
+    /// minute. The pictures and bits remain those of --step. Without, each change may be half a step off; the error bound says how much that makes
     #[arg(long, help_heading = "Results")]
     pub refine: bool,
+
+    /// Take the sun as a disc of 0.533 degrees: each step counts for as much of it as is seen, exactly, and hours are sums of that. Then the sun counts from when
+    /// the disc's upper edge rises until it has set. `fractions.npz` has the share for each receiver and step; outlines and bits remain those of its middle
+    #[arg(long, help_heading = "Results")]
+    pub sun_disc: bool,
 
     /// Colour the shadow profile by the objects that cast
     #[arg(long, help_heading = "Results")]

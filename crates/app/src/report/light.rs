@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use serde::Serialize;
-use umbrae_core::{Case, Caster, Cone, Light, PixelRect, Role, Sphere};
+use umbrae_core::{Case, Caster, Cone, Extent, Light, PixelRect, Role, Sphere};
 use umbrae_render::{CasterReport, FaceCounts, Fate, LightReport, Why};
 
 /// One light and what it drew.
@@ -27,6 +27,9 @@ pub struct LightJson {
     /// Of a point or a spot: metres at which it has faded to nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     range: Option<f64>,
+    /// Of a light that is drawn with soft shadows: how large it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extent: Option<ExtentJson>,
     /// `color` times `intensity`: irradiance of a directional light, and of a lamp at 1 m.
     strength: [f32; 3],
     /// Linear; the strongest channel is 1, or all are 0.
@@ -81,6 +84,7 @@ impl LightJson {
             direction_to_light: is_directional.then(|| xyz.to_array()),
             cone: light.cone.filter(|_| !is_directional).map(Into::into),
             range: light.range_m.filter(|_| !is_directional),
+            extent: ExtentJson::new(light.extent),
             strength: light.strength.to_array(),
             color: (light.strength / if intensity > 0.0 { intensity } else { 1.0 }).to_array(),
             intensity,
@@ -103,6 +107,42 @@ impl LightJson {
                 )
                 .collect(),
         }
+    }
+}
+
+/// How large a light is.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "lowercase", tag = "shape")]
+enum ExtentJson {
+    /// About a lamp's position.
+    Ball {
+        /// Metres.
+        radius: f64,
+    },
+    /// About a lamp's position; it shines to the side where `right x up` points.
+    Rectangle {
+        /// From the middle to the middle of the right side.
+        half_right: [f64; 3],
+        /// From the middle to the middle of the upper side.
+        half_up: [f64; 3],
+    },
+    /// About a direction.
+    Disc {
+        /// From the middle to the edge.
+        radius_deg: f64,
+    },
+}
+
+impl ExtentJson {
+    fn new(extent: Extent) -> Option<Self> {
+        Some(match extent {
+            Extent::Point => return None,
+            Extent::Sphere { radius_m } => Self::Ball { radius: radius_m },
+            Extent::Rectangle { half_right, half_up } => {
+                Self::Rectangle { half_right: half_right.to_array(), half_up: half_up.to_array() }
+            }
+            Extent::Disc { radius_rad } => Self::Disc { radius_deg: radius_rad.to_degrees() },
+        })
     }
 }
 

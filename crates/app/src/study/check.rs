@@ -1,10 +1,13 @@
 //! A second look at a sample of verdicts: one ray each, in double precision, by a method that shares nothing with the engine.
 
+use std::fs::File;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use umbrae_study::Receivers;
 
-use super::results::{Check, State};
+use super::fractions::from_byte;
+use super::results::{Check, DiscCheck, State};
 use super::rows::{bit, read_row};
 use super::scene::Situation;
 
@@ -57,7 +60,89 @@ pub(super) fn check(
     Ok(chosen.par_iter().zip(&rows).map(of_receiver).reduce(Check::default, Check::plus))
 }
 
+/// However long the period, so many shares are a sample: each takes a millisecond or less.
+const MOST_SHARES: usize = 8_000;
+/// Of each receiver so many more that are neither nothing nor all.
+const MOST_PARTIAL: usize = 4;
+/// Rays to a disc: first so many squared…
+const FIRST_SIDE: u32 = 16;
+/// …and where those find a share that differs by more than this, which is one and a half standard deviations of the worst scene…
+const NOTICED: f64 = 0.05;
+/// …so many squared, which is decisive beyond five standard deviations of the worst scene and what is lost by keeping shares in bytes.
+const DECISIVE_SIDE: u32 = 64;
+const DECISIVE: f64 = 5.0 * 0.5 / DECISIVE_SIDE as f64 + 1.0 / 255.0;
+
+/// Estimates by rays what `fractions` say of the sun's disc, for about `sample` receivers of `state`, spread evenly, at some steps each and at some more at which they
+/// see part.
+///
+/// # Errors
+///
+/// When the shares can't be read.
+pub(super) fn check_disc(
+    sample: usize,
+    state: &State,
+    fractions: &File,
+    situation: &Situation,
+    receivers: &Receivers,
+    suns: &[Option<DVec3>],
+) -> anyhow::Result<DiscCheck> {
+    let computed: Vec<usize> = (0..receivers.len()).filter(|&r| state.sums[r].is_some()).collect();
+    let sample = sample.min(computed.len());
+    let chosen = (0..sample).map(|i| computed[i * computed.len() / sample]);
+    let days: Vec<(usize, DVec3)> = suns.iter().enumerate().filter_map(|(step, sun)| Some((step, (*sun)?))).collect();
+    let every = (sample * days.len()).div_ceil(MOST_SHARES).max(1);
+    let rows = chosen.map(|receiver| Ok((receiver, read_row(fractions, receiver, suns.len())?)));
+    let rows = rows.collect::<std::io::Result<Vec<_>>>()?;
+    let of_receiver = |(i, (receiver, row)): (usize, &(usize, Vec<u8>))| {
+        let (position, normal) = (receivers.positions[*receiver], receivers.normals[*receiver]);
+        // Not the same steps for each; and as few see part, some of those besides.
+        let is_partial = |&&(step, _): &&(usize, DVec3)| (1..u8::MAX).contains(&row[step]);
+        let steps = days.iter().skip(i % every).step_by(every).chain(days.iter().filter(is_partial).take(MOST_PARTIAL));
+        let look = |&(step, to_sun): &(usize, DVec3)| {
+            let share = from_byte(row[step]);
+            let by_rays = |side| situation.blockers.visible_share_by_rays(position, normal, to_sun, side);
+            let first = share - by_rays(FIRST_SIDE);
+            let is_noticed = first.abs() > NOTICED;
+            let difference = if is_noticed { share - by_rays(DECISIVE_SIDE) } else { first };
+            DiscCheck {
+                shares: 1,
+                partial: u64::from(share > 0.0 && share < 1.0),
+                disagreements: u64::from(is_noticed && difference.abs() > DECISIVE),
+                sum_of_differences: difference,
+                largest_difference: difference.abs(),
+            }
+        };
+        steps.map(look).fold(DiscCheck::default(), DiscCheck::plus)
+    };
+    // In order, so that sums are the same on every run.
+    let checks: Vec<DiscCheck> = rows.par_iter().enumerate().map(of_receiver).collect();
+    Ok(checks.into_iter().fold(DiscCheck::default(), DiscCheck::plus))
+}
+
+impl DiscCheck {
+    /// Both together.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            shares: self.shares + other.shares,
+            partial: self.partial + other.partial,
+            disagreements: self.disagreements + other.disagreements,
+            sum_of_differences: self.sum_of_differences + other.sum_of_differences,
+            largest_difference: self.largest_difference.max(other.largest_difference),
+        }
+    }
+
+    /// By how much shares are more than rays say, on average.
+    pub(crate) fn mean_difference(self) -> f64 {
+        self.sum_of_differences / self.shares.max(1) as f64
+    }
+}
+
 impl Check {
+    /// Whether nothing differs.
+    pub(super) fn is_right(self) -> bool {
+        self.disagreements == 0 && self.disc.is_none_or(|disc| disc.disagreements == 0)
+    }
+
     /// Both together.
     pub(super) fn plus(self, other: Self) -> Self {
         Self {
@@ -65,6 +150,7 @@ impl Check {
             verdicts: self.verdicts + other.verdicts,
             disagreements: self.disagreements + other.disagreements,
             undecided: self.undecided + other.undecided,
+            disc: self.disc.or(other.disc),
         }
     }
 }

@@ -63,6 +63,7 @@ pub(super) fn options(args: &StudyArgs) -> Value {
         "min_altitude_deg": args.period.min_altitude,
         "north_deg": args.north,
         "solar_time": args.period.solar_time,
+        "sun_disc": args.sun_disc,
         "step_s": args.period.step.as_secs_f64(),
         "tz": args.place.tz.as_ref().map(umbrae_study::Zone::name),
         "by_object": args.by_object,
@@ -86,6 +87,10 @@ pub(super) fn key(results: &Results, inside: &[Vec<bool>]) -> String {
         hasher.update(cast_slice(&time));
     }
     hasher.update([u8::from(results.refinement.is_some())]);
+    hasher.update([u8::from(results.disc.is_some())]);
+    for sun in results.disc.iter().flat_map(|disc| &disc.suns) {
+        hasher.update(cast_slice(&sun.unwrap_or_default().to_array()));
+    }
     for sun in &results.suns {
         hasher.update(cast_slice(&sun.unwrap_or_default().to_array()));
     }

@@ -8,7 +8,9 @@ use anyhow::Context as _;
 use glam::DVec3;
 use umbrae_core::SurfaceKind;
 use umbrae_study::rules::{CountedSun, Evidence, GroupEvidence, ReceiverKind, Rule, RuleError, Verdict};
-use umbrae_study::{Clock, GroupKind, Packets, Period, Receivers, Refinement, SunHours, SunOptions, Timetable};
+use umbrae_study::{
+    Clock, DiscExposure, GroupKind, Packets, Period, Receivers, Refinement, SunHours, SunOptions, Timetable,
+};
 
 use super::results::Results;
 use super::rows::{bit, rows_of};
@@ -65,11 +67,15 @@ pub(super) fn judge(
         Timetable::new(&site.place, &period, &options).with_context(|| format!("can't judge {}", rule.title))?;
     let north_rad = site.north_deg.to_radians();
     let suns = timetable.directions(north_rad);
+    let has_disc = results.disc.is_some();
     let moments = if results.refinement.is_some() {
         let fine = Refinement::new(&site.place, &timetable, &options, north_rad)?;
-        Moments { timetable: fine.timetable().clone(), suns: fine.suns().to_vec(), refinement: Some(fine) }
+        let timetable = fine.timetable().clone();
+        let disc_suns = has_disc.then(|| timetable.disc_directions(&options, north_rad));
+        Moments { timetable, suns: fine.suns().to_vec(), refinement: Some(fine), disc_suns }
     } else {
-        Moments { timetable, suns, refinement: None }
+        let disc_suns = has_disc.then(|| timetable.disc_directions(&options, north_rad));
+        Moments { timetable, suns, refinement: None, disc_suns }
     };
 
     let mut of_states = Vec::new();
@@ -99,7 +105,11 @@ pub(super) fn judge(
             });
         }
     }
-    Ok(Some(rule.judge(&Evidence { days: moments.timetable.days.clone(), groups })))
+    let mut verdict = rule.judge(&Evidence { days: moments.timetable.days.clone(), groups });
+    if has_disc {
+        verdict.text += " Sun is counted by the share of its disc that is seen.";
+    }
+    Ok(Some(verdict))
 }
 
 /// For each receiver the sun of each day, as far as the rule counts it; nothing for receivers that it is not about.
@@ -112,11 +122,13 @@ struct Moments {
     suns: Vec<Option<DVec3>>,
     /// With it changes are found to the second.
     refinement: Option<Refinement>,
+    /// With them the sun is a disc about each, and what is seen of it counts.
+    disc_suns: Option<Vec<Option<DVec3>>>,
 }
 
 fn count(
     rule: &Rule,
-    Moments { timetable, suns, refinement }: &Moments,
+    Moments { timetable, suns, refinement, disc_suns }: &Moments,
     situation: &Situation,
     receivers: &Receivers,
     is_wanted: impl Fn(&umbrae_study::Group) -> bool,
@@ -132,6 +144,19 @@ fn count(
     let block = ((8 << 20) / (8 * suns.len().max(1))).max(1);
     for first in (0..packets.len()).step_by(block) {
         let range = first..packets.len().min(first + block);
+        if let Some(suns) = disc_suns {
+            let exposure = situation.blockers.expose_disc(&wanted, &packets, range, suns, stop, || ())?;
+            for (receiver, row) in rows_of(&exposure.whole, &packets) {
+                let partial = exposure.of_receiver(receiver);
+                let of_day = |day: usize| {
+                    let steps = timetable.steps_of_day(day);
+                    let share = |i: usize| DiscExposure::share(partial, steps.start + i, bit(&row, steps.start + i));
+                    rule.count(&SunHours::of_shares(&timetable.steps[steps.clone()], share))
+                };
+                counted[receiver] = (0..timetable.days.len()).map(of_day).collect();
+            }
+            continue;
+        }
         let exposure = situation.blockers.expose(&wanted, &packets, range, suns, stop, || ())?;
         let rows = rows_of(&exposure, &packets);
         for (receiver, row) in rows {

@@ -3,9 +3,11 @@
 //! [`run`] is the table of contents. Blocks of receivers go through the engine one after the other (`tiles`), their bits and
 //! sums into files; everything else is written from those (`results`, `write`).
 
+mod block;
 mod cancel;
 mod check;
 mod folder;
+mod fractions;
 mod frame;
 mod inputs;
 mod judge;
@@ -31,7 +33,7 @@ use self::folder::Folder;
 use self::frame::Frame;
 use self::inputs::{inputs, key, options};
 use self::receivers::receivers;
-use self::results::{Check, Results, State, Timings};
+use self::results::{Check, Disc, Results, State, Timings};
 use self::scene::{Models, Situation};
 use self::tiles::{Job, Workshop};
 use self::write::Wants;
@@ -73,6 +75,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     let refinement =
         if args.refine { Some(Refinement::new(&site.place, &timetable, &site.options, north_rad)?) } else { None };
     let suns = timetable.directions(north_rad);
+    let disc = args.sun_disc.then(|| Disc::new(&timetable, refinement.as_ref(), &site.options, north_rad));
     timings.load_s = seconds_since(begin);
 
     let start = Instant::now();
@@ -87,6 +90,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
         frame,
         timetable,
         suns,
+        disc,
         receivers,
         states: Vec::new(),
         check: None,
@@ -140,7 +144,7 @@ fn study(args: &StudyArgs, talk: &Talk) -> anyhow::Result<Ending> {
     }
     workshop.remove()?;
     talk.note(&summary(&results, args));
-    let is_right = results.check.is_none_or(|check| check.disagreements == 0);
+    let is_right = results.check.is_none_or(Check::is_right);
     Ok(if is_right { Ending::Whole } else { Ending::Disagreed })
 }
 
@@ -174,6 +178,7 @@ fn compute(
             steps: &results.timetable.steps,
             suns: &results.suns,
             refinement: results.refinement.as_ref(),
+            disc: results.disc.as_ref(),
         };
         let computed = workshop.compute(job, stop, |packets| bar.inc(packets))?;
         results.timings.engine_s += computed.engine_s;
@@ -184,6 +189,7 @@ fn compute(
             is_inside: of_state[state].is_inside.clone(),
             sums: computed.sums,
             rows: computed.rows,
+            fractions: computed.fractions,
         });
     }
     bar.finish_and_clear();
@@ -199,6 +205,10 @@ fn check_sample(results: &mut Results, sample: usize, situations: &[Situation], 
     let mut total = Check::default();
     for (state, situation) in results.states.iter().zip(situations) {
         total = total.plus(check::check(sample, state, situation, &results.receivers, &results.suns)?);
+        if let (Some(disc), Some(fractions)) = (&results.disc, &state.fractions) {
+            let of_disc = check::check_disc(sample, state, fractions, situation, &results.receivers, &disc.suns)?;
+            total.disc = Some(total.disc.unwrap_or_default().plus(of_disc));
+        }
     }
     results.timings.check_s = seconds_since(start);
     results.check = Some(total);
@@ -208,6 +218,14 @@ fn check_sample(results: &mut Results, sample: usize, situations: &[Situation], 
         "check: {1} of {0} verdicts differ from those of rays ({2} more at edges of shadows)",
         counts[0], counts[1], counts[2]
     ));
+    if let Some(disc) = total.disc {
+        talk.note(&format!(
+            "check: {} of {} shares of the sun's disc differ from what rays to it find, {} of which see part",
+            grouped(disc.disagreements),
+            grouped(disc.shares),
+            grouped(disc.partial)
+        ));
+    }
     Ok(())
 }
 

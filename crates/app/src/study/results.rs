@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use umbrae_study::rules::Verdict;
-use umbrae_study::{GroundGrid, Receivers, Refinement, Timetable};
+use umbrae_study::{GroundGrid, Receivers, Refinement, Step, SunDisc, SunOptions, Timetable};
 
 use super::frame::Frame;
 use super::receivers::ground;
@@ -27,6 +27,8 @@ pub(crate) struct Results {
     pub(crate) suns: Vec<Option<DVec3>>,
     /// With it hours are to the second.
     pub(crate) refinement: Option<Refinement>,
+    /// With it the sun is a disc, and hours are of its visible share.
+    pub(crate) disc: Option<Disc>,
     pub(crate) receivers: Receivers,
     /// One, or two: before and after.
     pub(crate) states: Vec<State>,
@@ -57,6 +59,8 @@ pub(crate) struct State {
     pub(crate) sums: Vec<Option<Sum>>,
     /// For each receiver a row of bits.
     pub(crate) rows: File,
+    /// For each receiver a row of shares of the disc, a byte for each step (`fractions`), where the sun is one.
+    pub(crate) fractions: Option<File>,
 }
 
 /// A file that was read.
@@ -68,8 +72,30 @@ pub(crate) struct Input {
     pub(crate) sha256: String,
 }
 
+/// The suns of a study in which the sun is a disc.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Disc {
+    /// For each step the direction to its middle, scene space; `None` where nothing of it counts.
+    pub(crate) suns: Vec<Option<DVec3>>,
+    /// The same for each minute of the refinement, if there is one.
+    pub(crate) fine_suns: Vec<Option<DVec3>>,
+}
+
+impl Disc {
+    /// Of the steps of `timetable`, and the minutes of `refinement`.
+    pub(crate) fn new(
+        timetable: &Timetable,
+        refinement: Option<&Refinement>,
+        options: &SunOptions,
+        north_rad: f64,
+    ) -> Self {
+        let suns = |timetable: &Timetable| timetable.disc_directions(options, north_rad);
+        Self { suns: suns(timetable), fine_suns: refinement.map_or_else(Vec::new, |fine| suns(fine.timetable())) }
+    }
+}
+
 /// A sample of verdicts, found once more by rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub(crate) struct Check {
     /// How many receivers were looked at.
     pub(crate) receivers: usize,
@@ -79,6 +105,24 @@ pub(crate) struct Check {
     pub(crate) disagreements: u64,
     /// Verdicts that differ where one is.
     pub(crate) undecided: u64,
+    /// The same of shares of the sun's disc, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) disc: Option<DiscCheck>,
+}
+
+/// A sample of shares of the sun's disc, estimated by rays to places all over it.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub(crate) struct DiscCheck {
+    /// How many shares were looked at.
+    pub(crate) shares: u64,
+    /// Of these, how many are neither nothing nor all.
+    pub(crate) partial: u64,
+    /// How many differ by more than chance explains.
+    pub(crate) disagreements: u64,
+    /// The sum of all shares, less that of the estimates.
+    pub(crate) sum_of_differences: f64,
+    /// The largest difference, with the estimate by the most rays.
+    pub(crate) largest_difference: f64,
 }
 
 /// Seconds by the clock.
@@ -113,8 +157,18 @@ impl Results {
         self.suns.iter().flatten().count()
     }
 
-    /// The time in which there can be sun, in hours.
+    /// The time in which there can be sun, in hours; where it is a disc, each step as much of it as is above the horizon.
     pub(crate) fn possible_hours(&self) -> f64 {
+        if let Some(disc) = &self.disc {
+            let steps = match &self.refinement {
+                Some(fine) => fine.timetable().steps.iter().zip(&disc.fine_suns),
+                None => self.timetable.steps.iter().zip(&disc.suns),
+            };
+            let hours = |(step, sun): (&Step, &Option<DVec3>)| {
+                sun.map_or(0.0, |to_sun| SunDisc::new(to_sun).share_above_horizon() * step.duration_s() / 3600.0)
+            };
+            return steps.map(hours).sum();
+        }
         let steps = self.timetable.steps.iter().zip(&self.suns);
         steps.filter(|(_, sun)| sun.is_some()).map(|(step, _)| step.duration_s()).sum::<f64>() / 3600.0
     }
@@ -124,6 +178,12 @@ impl Results {
         let offsets = offsets(&self.timetable).join(" and ");
         let (days, hours) = (days_text(&self.timetable), hours_text(&self.timetable));
         format!("{days}, {hours}, {} (UTC{offsets})", self.site.clock)
+    }
+
+    /// Where the sun is seen, and as what: `apparent, with standard refraction`.
+    pub(crate) fn sun_text(&self) -> String {
+        let disc = if self.disc.is_some() { "; a disc of 0.533\u{b0}, of which the visible share counts" } else { "" };
+        format!("{}{disc}", self.site.sun)
     }
 
     /// What may be missed if it is shorter, in words.

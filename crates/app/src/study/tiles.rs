@@ -4,7 +4,7 @@
 //!    packets   |0 1 2 3|4 5 6 7|8 9 …|        a block at a time through the engine,
 //!                  |                          its rows and sums into files at their receivers' places,
 //!                  v                          and then, when they are safely there,
-//!    DIR/.umbrae/  rows  sums  journal        a line into the journal
+//!    DIR/.umbrae/  rows  sums  journal        a line into the journal; with the sun's disc also fractions
 //! ```
 //!
 //! Rows and sums don't depend on the order of blocks nor on the number of threads, so a study that was killed and is resumed
@@ -18,13 +18,13 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, ensure};
 use glam::DVec3;
-use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
-use umbrae_study::{Blockers, Packets, Receivers, Refinement, Step, SunHours};
-use web_time::Instant;
+use umbrae_study::{Blockers, PACKET, Packets, PartialSun, Receivers, Refinement, Step};
 
+use super::block::Block;
 use super::inputs::hex;
-use super::rows::{RowShape, bit, for_each_row, read_row, rows_of, write_rows};
+use super::results::Disc;
+use super::rows::{RowShape, for_each_row, read_row, write_rows};
 use super::sums::{SUM_BYTES, Sum};
 
 /// A block's words and its rows have this much memory together…
@@ -47,6 +47,8 @@ pub(super) struct Job<'a> {
     pub(super) suns: &'a [Option<DVec3>],
     /// With it hours are to the second; bits are still those of the steps.
     pub(super) refinement: Option<&'a Refinement>,
+    /// With it hours are of the disc's visible share.
+    pub(super) disc: Option<&'a Disc>,
 }
 
 /// What has come of a [`Job`].
@@ -56,6 +58,8 @@ pub(crate) struct Computed {
     pub(crate) sums: Vec<Option<Sum>>,
     /// For each receiver a row of bits; zeros where there is no sum.
     pub(crate) rows: File,
+    /// For each receiver a row of shares of the disc, where the sun is one; zeros where there is no sum.
+    pub(crate) fractions: Option<File>,
     /// Whether every packet was computed.
     pub(crate) is_whole: bool,
     /// What the engine took in this run.
@@ -136,9 +140,11 @@ impl Workshop {
         let shape = RowShape { step_count: job.suns.len() };
         let mut rows = self.file("rows", job.state, job.receivers.len() * shape.stride())?;
         let mut sums = self.file("sums", job.state, job.receivers.len() * SUM_BYTES)?;
+        let fractions = job.disc.map(|_| self.file("fractions", job.state, job.receivers.len() * shape.step_count));
+        let mut fractions = fractions.transpose()?;
         let (mut engine_s, mut is_whole) = (0.0, true);
         let most_steps = job.refinement.map_or(shape, |fine| RowShape { step_count: fine.suns().len() });
-        let block = block_packets(job.packets.len(), most_steps);
+        let block = block_packets(job.packets.len(), most_steps, job.disc.is_some());
         for first in (0..job.packets.len()).step_by(block) {
             let range = first..job.packets.len().min(first + block);
             let mut receivers: Vec<usize> =
@@ -146,54 +152,30 @@ impl Workshop {
             receivers.sort_unstable();
             // What was damaged since is computed again.
             if let Some(digest) = self.done.get(&(job.state, first))
-                && *digest == digest_of_files(&rows, &sums, &receivers, shape)?
+                && *digest == digest_of_files([&rows, &sums], fractions.as_ref(), &receivers, shape)?
             {
                 packets_done(range.len() as u64);
                 continue;
             }
-            let start = Instant::now();
-            let expose = |suns| {
-                let range = range.clone();
-                job.blockers.expose(job.receivers, job.packets, range, suns, stop, || ())
-            };
-            let fine_rows = match job.refinement {
-                // The words of one are let go before those of the other are asked for.
-                Some(fine) => expose(fine.suns()).map(|exposure| Some(rows_of(&exposure, job.packets))),
-                None => Some(None),
-            };
-            let exposures = fine_rows.zip(expose(job.suns));
-            engine_s += start.elapsed().as_secs_f64();
-            let Some((fine_rows, exposure)) = exposures else {
+            let Some(block) = Block::compute(&job, &range, stop, &mut engine_s) else {
                 is_whole = false;
                 break;
             };
-            let undecided_of = |receiver: usize| {
-                let before = exposure.undecided.partition_point(|&(r, _)| (r as usize) < receiver);
-                exposure.undecided[before..].iter().take_while(|&&(r, _)| r as usize == receiver).count() as u32
-            };
-            let block_rows = rows_of(&exposure, job.packets);
-            let hours = |i: usize, receiver: usize, row: &[u8]| match (job.refinement, &fine_rows) {
-                (Some(fine), Some(fine_rows)) => {
-                    let at = (job.receivers.positions[receiver], job.receivers.normals[receiver]);
-                    let (_, row) = &fine_rows[i];
-                    fine.hours(job.blockers, at, 0..fine.suns().len(), |step| bit(row, step))
+            let digest = digest(block.rows.iter().zip(&block.sums).enumerate().map(|(i, ((_, row), (_, sum)))| {
+                [&row[..], &sum[..], block.fractions.as_ref().map_or(&[], |fractions| &fractions[i].1)]
+            }));
+            let mut write = || -> std::io::Result<()> {
+                write_rows(&mut rows, &block.rows)?;
+                write_rows(&mut sums, &block.sums)?;
+                if let (Some(file), Some(of_block)) = (&mut fractions, &block.fractions) {
+                    write_rows(file, of_block)?;
+                    file.sync_data()?;
                 }
-                _ => SunHours::of_steps(job.steps, |step| bit(row, step)),
+                rows.sync_data()?;
+                sums.sync_data()?;
+                writeln!(self.journal, "{} {first} {digest}", job.state)
             };
-            let block_sums: Vec<(usize, [u8; SUM_BYTES])> = block_rows
-                .par_iter()
-                .enumerate()
-                .map(|(i, (receiver, row))| {
-                    let hours = hours(i, *receiver, row);
-                    (*receiver, Sum::new(&hours, undecided_of(*receiver)).to_bytes())
-                })
-                .collect();
-            let digest = digest(block_rows.iter().zip(&block_sums).map(|((_, row), (_, sum))| (&row[..], &sum[..])));
-            let written = write_rows(&mut rows, &block_rows)
-                .and_then(|()| write_rows(&mut sums, &block_sums))
-                .and_then(|()| rows.sync_data())
-                .and_then(|()| sums.sync_data())
-                .and_then(|()| writeln!(self.journal, "{} {first} {digest}", job.state));
+            let written = write();
             packets_done(range.len() as u64);
             written.with_context(|| format!("can't write to `{}`", self.folder.display()))?;
         }
@@ -202,7 +184,7 @@ impl Workshop {
             all.push(Sum::from_bytes(bytes));
             Ok(())
         })?;
-        Ok(Computed { sums: all, rows, is_whole, engine_s })
+        Ok(Computed { sums: all, rows, fractions, is_whole, engine_s })
     }
 
     /// A file of so many bytes: zeros, where nothing was written yet.
@@ -217,29 +199,40 @@ impl Workshop {
     }
 }
 
-/// Stands for the bytes of a block: a row and a sum for each receiver, in their order.
-fn digest<'a>(both: impl Iterator<Item = (&'a [u8], &'a [u8])>) -> String {
+/// Stands for the bytes of a block: a row, a sum and a row of shares (empty, if there is none) for each receiver, in their order.
+fn digest<'a>(all: impl Iterator<Item = [&'a [u8]; 3]>) -> String {
     let mut hasher = Sha256::new();
-    for (row, sum) in both {
-        hasher.update(row);
-        hasher.update(sum);
+    for bytes in all.flatten() {
+        hasher.update(bytes);
     }
     hex(&hasher.finalize())
 }
 
 /// [`digest`] of what is in the files for `receivers`.
-fn digest_of_files(rows: &File, sums: &File, receivers: &[usize], shape: RowShape) -> anyhow::Result<String> {
-    let read = |&receiver: &usize| -> std::io::Result<(Vec<u8>, Vec<u8>)> {
-        Ok((read_row(rows, receiver, shape.stride())?, read_row(sums, receiver, SUM_BYTES)?))
+fn digest_of_files(
+    [rows, sums]: [&File; 2],
+    fractions: Option<&File>,
+    receivers: &[usize],
+    shape: RowShape,
+) -> anyhow::Result<String> {
+    let read = |&receiver: &usize| -> std::io::Result<[Vec<u8>; 3]> {
+        let shares = fractions.map(|file| read_row(file, receiver, shape.step_count)).transpose()?;
+        Ok([
+            read_row(rows, receiver, shape.stride())?,
+            read_row(sums, receiver, SUM_BYTES)?,
+            shares.unwrap_or_default(),
+        ])
     };
-    let both: Vec<_> = receivers.iter().map(read).collect::<Result<_, _>>()?;
-    Ok(digest(both.iter().map(|(row, sum)| (&row[..], &sum[..]))))
+    let all: Vec<_> = receivers.iter().map(read).collect::<Result<_, _>>()?;
+    Ok(digest(all.iter().map(|bytes| bytes.each_ref().map(Vec::as_slice))))
 }
 
 /// How many packets a block has; the same on every machine, as blocks are what is resumed.
-fn block_packets(packet_count: usize, shape: RowShape) -> usize {
-    // Eight bytes for each step of a packet, and as much again as rows.
-    let in_memory = BLOCK_BYTES / (2 * 8 * shape.step_count.max(1));
+fn block_packets(packet_count: usize, shape: RowShape, has_shares: bool) -> usize {
+    // For each step of a packet eight bytes, and as much again as rows; as much for where all of a disc is seen, a byte for each receiver, and what it takes where
+    // one in eight sees part.
+    let step_bytes = if has_shares { 4 * 8 + PACKET + PACKET / 8 * size_of::<PartialSun>() } else { 2 * 8 };
+    let in_memory = BLOCK_BYTES / (step_bytes * shape.step_count.max(1));
     let for_stopping = packet_count.div_ceil(LEAST_BLOCKS).max(LEAST_PACKETS);
     in_memory.min(for_stopping).max(1)
 }

@@ -1,14 +1,14 @@
 //! Where surfaces that are shaded as if they were curved turn away from a light.
 //!
-//! The light ends where the interpolated normal is at a right angle to it, on whichever side of the triangle's own plane. Where the normal faces
-//! the light and the triangle does not, a body of flat triangles would shade itself, and a volume that follows the curved surface leaves it lit:
+//! The light ends where it is as high as the tangent planes of the corners, its heights over which are interpolated, on whichever side of the triangle's
+//! own plane. Where these face the light and the triangle does not, a body of flat triangles would shade itself, and a volume that follows the curved surface leaves it lit:
 //! that is decided by how volumes are made, and not by rays.
 
 use glam::{DVec3, Vec3};
 
 use super::cut_out::weights_at;
 use super::{EDGE_ON, Seen, faces};
-use crate::{Caster, Hit};
+use crate::{Caster, Hit, LightPosition};
 
 /// The casters that have normals to be shaded with.
 #[derive(Debug)]
@@ -24,10 +24,13 @@ struct SmoothPart {
 /// How a point is shaded.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shading {
-    /// Unit length, on the seen side as the triangle's own normal is.
+    /// The mean of the corners' normals, not of unit length, on the seen side as the triangle's own normal is.
     normal: DVec3,
-    /// How much of `normal` may be lost where a device interpolates it.
+    /// The mean of the corners' heights along their own normals, on the same side.
+    height: f64,
+    /// How much of what is interpolated may be lost, relative to the corners'.
     blur: f64,
+    eye_distance: f64,
     /// Whether the triangle itself casts.
     casts: bool,
 }
@@ -45,31 +48,39 @@ impl SmoothParts {
         parts.iter().any(Option::is_some).then_some(Self(parts))
     }
 
-    /// The shading at `point` of the triangle that was hit, which has these corners and is seen from its back if it `is_turned`; `None` where it is
-    /// flat. `blur` is how much of what is interpolated may be lost, relative to the corners'.
+    /// The shading at `point` of the triangle that was hit, which has these corners, from `eye`, which sees its back if it `is_turned`; `None` where
+    /// it is flat. `blur` is how much of what is interpolated may be lost, relative to the corners'.
     pub(super) fn shading(
         &self,
         hit: &Hit,
         corners: [DVec3; 3],
-        point: DVec3,
+        [eye, point]: [DVec3; 2],
         is_turned: bool,
         blur: f64,
     ) -> Option<Shading> {
         let part = self.0[hit.part as usize].as_ref()?;
         let normals = part.normals[hit.triangle as usize]?.map(Vec3::as_dvec3);
-        let weights = weights_at(point, corners);
-        let sum = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
+        let side = if is_turned { -1.0 } else { 1.0 };
+        let weights = (side * weights_at(point, corners)).to_array();
+        let normal: DVec3 = (0..3).map(|i| weights[i] * normals[i]).sum();
+        let height = (0..3).map(|i| weights[i] * normals[i].dot(corners[i])).sum();
         // Opposite normals cancel out somewhere, and there the triangle is as flat as it is drawn.
-        let normal = sum.try_normalize()?;
-        Some(Shading { normal: if is_turned { -normal } else { normal }, blur: blur / sum.length(), casts: part.casts })
+        let is_smooth = normal.length() > 0.0;
+        is_smooth.then(|| Shading { normal, height, blur, eye_distance: eye.distance(point), casts: part.casts })
     }
 }
 
 impl Shading {
     /// Whether the light is on the lit side of the point; `None` where that, or whether the surface shades itself there, is not to be told.
-    pub(super) fn faces(&self, seen: &Seen, to_light: DVec3) -> Option<bool> {
-        let cosine = self.normal.dot(to_light) / to_light.length();
-        let is_told = cosine.abs() > EDGE_ON + self.blur;
+    pub(super) fn faces(&self, seen: &Seen, light: LightPosition) -> Option<bool> {
+        let to_light = light.offset_from(seen.point);
+        let homogeneous = light.homogeneous();
+        let height = self.normal.dot(homogeneous.truncate()) - homogeneous.w * self.height;
+        let lengths = self.normal.length() * to_light.length();
+        let cosine = height / lengths;
+        // Devices interpolate heights over the eye: what is lost is relative to how far that is away.
+        let reach = to_light.length() + 2.0 * self.eye_distance * homogeneous.w;
+        let is_told = cosine.abs() > EDGE_ON + self.blur * reach / lengths;
         if !is_told {
             return None;
         }

@@ -122,6 +122,62 @@ fn a_lamp_of_some_range_lights_a_disc_of_pythagoras() {
     assert_lit_where(&judged, |p| 3.0 - p.length());
 }
 
+/// The floor, as if it were a dome: its normals lean outwards the more, the farther they are from the middle.
+fn domed_floor(casts: bool, tilt: f32) -> Vec<Caster> {
+    let mut floor = floor();
+    floor.role.casts = casts;
+    let mut casters = Caster::of_scene(&Scene { objects: vec![floor], ..Scene::default() });
+    let normal = |p: Vec3| (Vec3::Z + tilt * p).normalize_or_zero();
+    casters[0].shading_normals = vec![casters[0].corners(0).map(normal)];
+    casters
+}
+
+#[test]
+fn a_triangle_that_is_shaded_as_a_dome_is_lit_up_to_where_its_normals_turn_away() {
+    // The corners' normals, before they get unit length, are (x, y, 10) / 10, so between them they are the mean of these weighted by
+    // their lengths: for a sun over the horizon in the east the lit side ends at a line.
+    let casters = domed_floor(true, 0.1);
+    let [a, b, c] = casters[0].corners(0).map(Vec3::as_dvec3);
+    let normals = casters[0].shading_normals[0].map(Vec3::as_dvec3);
+    let to_sun = DVec3::new(1.0, 0.0, 0.02).normalize_or_zero();
+    let sun = Light::new("sun", LightPosition::directional(to_sun).unwrap(), Vec3::ONE);
+    // The normal is linear over the triangle, and so is its height over the light's horizon.
+    let height = |p: DVec2| {
+        let p = p.extend(0.0);
+        let area = |q: DVec3, r: DVec3, s: DVec3| (r - q).cross(s - q).z;
+        let weights = [area(p, b, c), area(a, p, c), area(a, b, p)].map(|part| part / area(a, b, c));
+        weights.iter().zip(normals).map(|(weight, normal)| weight * normal.dot(to_sun)).sum::<f64>()
+    };
+    let judged = judge(&Oracle::new(&casters), sun);
+    let (mut lit, mut dark, mut undecided) = (0, 0, 0);
+    for (judgement, point) in judged.iter().zip(floor_points()) {
+        match judgement.verdict {
+            Some(Verdict::Lit) => lit += usize::from(height(point) > 0.0),
+            Some(_) => dark += usize::from(height(point) < 0.0),
+            None => undecided += usize::from(height(point).abs() < 4e-3),
+        }
+    }
+    assert_eq!(lit + dark + undecided, judged.len());
+    assert!(lit > 1_000 && dark > 1_000, "{lit} lit, {dark} dark, {undecided} undecided");
+}
+
+#[test]
+fn where_only_the_normals_face_the_light_a_triangle_that_casts_is_undecided_and_one_that_does_not_is_lit() {
+    let sun = |height| {
+        let to_sun = DVec3::new(1.0, 0.0, height);
+        Light::new("sun", LightPosition::directional(to_sun).unwrap(), Vec3::ONE)
+    };
+    // From below the floor, and normals that lean by up to 45 degrees towards it.
+    for (casts, expected) in [(true, None), (false, Some(Verdict::Lit))] {
+        let mut casters = domed_floor(casts, 0.0);
+        casters[0].shading_normals = vec![[Vec3::new(0.6, 0.0, 0.8); 3]];
+        let oracle = Oracle::new(&casters);
+        assert!(judge(&oracle, sun(-0.3)).iter().all(|j| j.verdict == expected));
+        assert!(judge(&oracle, sun(0.3)).iter().all(|j| j.verdict == Some(Verdict::Lit)));
+        assert!(judge(&oracle, sun(-0.9)).iter().all(|j| j.verdict == Some(Verdict::Dark)));
+    }
+}
+
 #[test]
 fn a_floor_that_just_touches_the_range_is_undecided_there_and_dark_all_around() {
     // Above the centre of a pixel.

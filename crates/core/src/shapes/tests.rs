@@ -191,6 +191,32 @@ fn a_mirrored_body_still_faces_outwards() {
 }
 
 #[test]
+fn normals_stay_across_a_body_that_is_stretched_mirrored_and_joined() {
+    let with_normals = |mut surface: Surface| {
+        let normal = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|i| surface.positions[i as usize]);
+            // Different ones, that corners can be told apart: nearly the triangle's.
+            let across = (b - a).cross(c - a).normalize_or_zero();
+            [across, across * 2.0, across * 3.0]
+        };
+        surface.corner_normals = surface.triangles.iter().map(normal).collect();
+        surface
+    };
+    let tetrahedron = || tetrahedron([Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]);
+    let stretched = Affine3A::from_scale(Vec3::new(-3.0, 1.0, 0.5));
+    let moved = transformed(with_normals(tetrahedron()), stretched);
+    for (corners, normals) in moved.triangles.iter().zip(&moved.corner_normals) {
+        let [a, b, c] = corners.map(|i| moved.positions[i as usize]);
+        let across = (b - a).cross(c - a).normalize_or_zero();
+        assert!(normals.iter().all(|n| n.normalize_or_zero().distance(across) < 1e-6), "{normals:?} on {across}");
+        assert!((normals[1].length() / normals[0].length() - 3.0).abs() < 1e-5, "the last two corners are swapped");
+    }
+    let all = joined([tetrahedron(), moved, tetrahedron()]);
+    let given = all.corner_normals.iter().map(|normals| normals[0] != Vec3::ZERO);
+    assert_eq!(given.collect::<Vec<_>>(), [[false; 4], [true; 4], [false; 4]].concat());
+}
+
+#[test]
 fn joining_completes_the_materials_that_only_one_part_has() {
     let plain = || tetrahedron([Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]);
     let mut painted = plain();

@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{face_normal, has_outside};
+use super::normals::{has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
@@ -26,13 +26,13 @@ const SAME_NORMAL: f32 = 1e-5;
 /// Normals with less than this sine between them have no common tangent of their own.
 const NEARLY_PARALLEL: f64 = 1e-3;
 
-/// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
-const FLAT: f64 = 0.999_998_5;
+/// A crease may bend into the triangles beside it by this part of their height: else the silhouette of one that is thin and flat would turn inside out.
+const MOST_INWARD: f64 = 0.2;
 
 /// Curves are nowhere farther from the mesh than this many times its longest edge. A cubic whose tangents are at most twice as long as its chord is within
-/// half of that of it; what lies between the curves of two edges has a chord of at most two edges, so that it is within one of that; and a tenth is for
-/// insets and rounding.
-pub(super) const MOST_BULGE: f64 = 1.6;
+/// half of that of it; what lies between the curves of two edges has a chord of at most two edges, so that it is within one of that, and may be moved by half as
+/// a crease beside it bends; and a tenth is for insets and rounding.
+pub(super) const MOST_BULGE: f64 = 2.1;
 
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
@@ -50,6 +50,9 @@ pub struct SmoothBody {
     /// None where the body has moved: then each wedge and edge is looked at.
     pub(super) finder: Option<NormalFinder>,
     pub(super) longest_edge_m: f64,
+    /// `triangles_of_wedge[first_triangle[w]..first_triangle[w + 1]]` have wedge `w`.
+    first_triangle: Vec<u32>,
+    triangles_of_wedge: Vec<u32>,
 }
 
 /// How an edge between wedges is bent.
@@ -68,8 +71,16 @@ pub(super) enum Bend {
 pub(super) struct Crease {
     /// Of the caster, the lower first.
     pub(super) vertices: [u32; 2],
-    /// On each side: the wedge edge, and +1 where its triangle walks from the lower vertex to the higher, else -1.
-    pub(super) sides: Vec<(u32, i32)>,
+    pub(super) sides: Vec<Side>,
+}
+
+/// One triangle at an edge of the caster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Side {
+    pub(super) triangle: u32,
+    pub(super) edge: u32,
+    /// +1 where the triangle walks from the edge's lower vertex to the higher, else -1.
+    pub(super) direction: i32,
 }
 
 /// Why a caster has no smooth silhouettes; it casts the exact shadow of its triangles then.
@@ -113,11 +124,7 @@ impl SmoothBody {
         if volume_m3(caster) < 0.0 {
             return Err(NotSmooth::InsideOut);
         }
-        let is_flat = |(t, corners): (usize, &[Vec3; 3])| {
-            let face = face_normal(caster, t);
-            corners.iter().all(|normal| normal.as_dvec3().dot(face) >= FLAT)
-        };
-        if normals.iter().enumerate().all(is_flat) {
+        if normals.iter().enumerate().all(|(t, corners)| is_flat(caster, t, corners)) {
             return Err(NotSmooth::Flat);
         }
         let split = Split::new(caster, normals);
@@ -130,7 +137,19 @@ impl SmoothBody {
             wedge_of_vertex[v as usize] = w;
         }
         let longest_edge_m = longest_edge_m(&wedges);
-        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
+        let (first_triangle, triangles_of_wedge) = triangles_of_vertices(&wedges.mesh);
+        Ok(Self {
+            wedges,
+            vertex_of_wedge,
+            wedge_of_vertex,
+            normals,
+            bends,
+            creases,
+            finder,
+            longest_edge_m,
+            first_triangle,
+            triangles_of_wedge,
+        })
     }
 
     /// Where wedge `w` is, scene space.
@@ -145,6 +164,12 @@ impl SmoothBody {
 
     pub(super) fn normal(&self, w: u32) -> DVec3 {
         self.normals[w as usize].as_dvec3()
+    }
+
+    /// The triangles that have wedge `w`.
+    pub(super) fn triangles_at(&self, w: u32) -> &[u32] {
+        let [first, end] = [0, 1].map(|i| self.first_triangle[w as usize + i] as usize);
+        &self.triangles_of_wedge[first..end]
     }
 
     /// How far `light` is above the tangent plane of wedge `w`, times its distance if it has one: n.(l - v).
@@ -180,9 +205,40 @@ impl SmoothBody {
                         chord - a * a.dot(chord)
                     }
                 };
-                Curve::along(start, end, [direction(0), direction(1)])
+                let curve = Curve::along(start, end, [direction(0), direction(1)]);
+                let heights = [lower, higher].map(|side| self.height_over(side, start, end));
+                curve.flattened(
+                    heights
+                        .into_iter()
+                        .flatten()
+                        .map(|inward| curve.share_within(inward * MOST_INWARD))
+                        .fold(1.0, f64::min),
+                )
             }
         }
+    }
+
+    /// Wedge edge `e` as if it were a crease; `None` where it is one.
+    pub(super) fn seam(&self, e: usize) -> Option<Crease> {
+        if self.bends[e] != Bend::Smooth {
+            return None;
+        }
+        let sides = sides_of(&self.wedges.topology, &self.vertex_of_wedge, e as u32).collect();
+        Some(Crease { vertices: self.ends(e).map(|w| self.vertex_of_wedge[w as usize]), sides })
+    }
+
+    /// The curve of wedge edge `e` if it is one side of a crease.
+    pub(super) fn crease_curve(&self, e: usize) -> Option<Curve> {
+        matches!(self.bends[e], Bend::Crease(_)).then(|| self.curve_of_edge(e))
+    }
+
+    /// From wedge edge `e`, which is from `start` to `end`, at a right angle to the third corner of its triangle.
+    fn height_over(&self, e: usize, start: DVec3, end: DVec3) -> Option<DVec3> {
+        let (t, _) = self.wedges.topology.triangles_on_edge(e).next()?;
+        let edge = self.wedges.topology.edges()[e];
+        let third = self.wedges.mesh.triangles()[t].into_iter().find(|&w| w != edge.low && w != edge.high)?;
+        let (chord, off) = (end - start, self.place(third) - start);
+        Some(off - chord * (off.dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE)))
     }
 
     /// A box that holds every curve of the body, on edges and between them.
@@ -198,7 +254,7 @@ impl SmoothBody {
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
             + edges * (size_of::<Bend>() + if self.finder.is_some() { 94 } else { 24 })
-            + self.wedges.mesh.triangles().len() * 56
+            + self.wedges.mesh.triangles().len() * 70
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
 }
@@ -207,6 +263,35 @@ impl SmoothBody {
 pub(super) fn longest_edge_m(caster: &Caster) -> f64 {
     let length_m = |e: &Edge| caster.positions[e.low as usize].distance(caster.positions[e.high as usize]);
     caster.topology.edges().iter().map(length_m).fold(0.0, f32::max).into()
+}
+
+/// The triangles at wedge edge `e`.
+pub(super) fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator<Item = Side> {
+    let edge = wedges.edges()[e as usize];
+    let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
+    let turn = if is_turned { -1 } else { 1 };
+    let side = move |(t, direction)| Side { triangle: t as u32, edge: e, direction: turn * direction };
+    wedges.triangles_on_edge(e as usize).map(side)
+}
+
+/// For each vertex where its triangles begin in a list of them, and the list.
+fn triangles_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
+    let mut first = vec![0; mesh.positions().len() + 1];
+    for &v in mesh.triangles().as_flattened() {
+        first[v as usize + 1] += 1;
+    }
+    for v in 1..first.len() {
+        first[v] += first[v - 1];
+    }
+    let mut next = first.clone();
+    let mut list = vec![0; 3 * mesh.triangles().len()];
+    for (corners, t) in mesh.triangles().iter().zip(0..) {
+        for &v in corners {
+            list[next[v as usize] as usize] = t;
+            next[v as usize] += 1;
+        }
+    }
+    (first, list)
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.
@@ -283,10 +368,7 @@ fn find_creases(caster: &Caster, wedges: &Topology, vertex_of_wedge: &[u32]) -> 
         let vertices = group[0].0;
         let mut sides = Vec::new();
         for &(_, e) in group {
-            let edge = wedges.edges()[e as usize];
-            let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
-            let turn = if is_turned { -1 } else { 1 };
-            sides.extend(wedges.triangles_on_edge(e as usize).map(|(_, direction)| (e, turn * direction)));
+            sides.extend(sides_of(wedges, vertex_of_wedge, e));
         }
         match (group, sides.len()) {
             ([(_, e)], 2) => bends[*e as usize] = Bend::Smooth,

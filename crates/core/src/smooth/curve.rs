@@ -51,6 +51,12 @@ impl Curve {
         on_chord + (u * v) * (v * first - u * last)
     }
 
+    /// The two inner control points of the curve as a cubic of Bézier's.
+    pub(super) fn controls(&self) -> [DVec3; 2] {
+        let [first, last] = self.tangents;
+        [self.start + first / 3.0, self.end - last / 3.0]
+    }
+
     /// Along the curve at `u`, of no particular length.
     pub(super) fn tangent(&self, u: f64) -> DVec3 {
         let [first, last] = self.tangents;
@@ -63,6 +69,30 @@ impl Curve {
         let (between, along) = (first.lerp(last, u), self.tangent(u));
         let across = between - along * (between.dot(along) / along.length_squared().max(f64::MIN_POSITIVE));
         across.normalize_or(between)
+    }
+
+    /// How far the curve is from its chord at `u`.
+    pub(super) fn bulge(&self, u: f64) -> DVec3 {
+        self.at(u) - self.start.lerp(self.end, u)
+    }
+
+    /// From end to start.
+    pub(super) fn reversed(&self) -> Self {
+        let [first, last] = self.tangents;
+        Self { start: self.end, end: self.start, tangents: [-last, -first] }
+    }
+
+    /// How much of the curve's bend, from 0 to 1, keeps it from going farther than `inward` in that direction from its chord.
+    pub(super) fn share_within(&self, inward: DVec3) -> f64 {
+        let off = |u: f64| self.bulge(u).dot(inward);
+        let farthest = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
+        if farthest > inward.length_squared() { inward.length_squared() / farthest } else { 1.0 }
+    }
+
+    /// With that `share` of its bend.
+    pub(super) fn flattened(&self, share: f64) -> Self {
+        let chord = self.end - self.start;
+        Self { tangents: self.tangents.map(|tangent| chord.lerp(tangent, share)), ..*self }
     }
 
     /// Into how many pieces of equal length in `u` the part from `from` to `to` must be cut so that no chord is farther than `epsilon_m` from

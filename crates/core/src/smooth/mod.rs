@@ -6,7 +6,10 @@
 //!   posed        the same body where its caster has moved to
 //!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
+//!   islands      small parts that are turned the wrong way
+//!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
+//!   tessellate   the curved surface itself, as a finer mesh
 //!   volume       the silhouette of a body under a light, and the volume that it closes
 //! ```
 //!
@@ -14,10 +17,13 @@
 
 mod body;
 mod curve;
+mod islands;
 mod normals;
+mod parts;
 mod posed;
 mod precision;
 mod tables;
+mod tessellate;
 #[cfg(test)]
 mod tests;
 mod volume;

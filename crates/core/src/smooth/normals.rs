@@ -15,14 +15,24 @@ use crate::{Caster, Object, Topology};
 /// The cosine between a normal that a file gives and its triangle's below which it is not believed: 75 degrees.
 const LEAST_GIVEN: f64 = 0.258_819_045_102_520_76;
 
+/// With at least this cosine between them, a given normal is its triangle's own: 1 degree.
+const OWN: f64 = 0.999_8;
+/// A corner's normal with at least this cosine to its triangle's is flat: 0.1 degrees.
+const FLAT: f64 = 0.999_998_5;
+
 /// A unit normal, scene space, for each corner of each triangle of `caster`.
 ///
 /// `given` are the file's, scene space, of any length, or empty; where one is zero, not finite or more than 75 degrees from its triangle's, it is
-/// computed. Computed ones join triangles over edges that bend by at most `crease_rad`, and are the triangle's own where the others' mean is farther than that
+/// computed; and so are all where all are their triangles' own. Computed ones join triangles over edges that bend by at most `crease_rad`, and are the triangle's own where the others' mean is farther than that
 /// from it (at the tip of a cone). A triangle without area has zeros. Takes about half a microsecond a triangle.
 pub fn corner_normals(caster: &Caster, given: &[[Vec3; 3]], crease_rad: f64) -> Vec<[Vec3; 3]> {
     let computed = computed(caster, crease_rad);
-    if given.is_empty() {
+    let is_own = |(t, given): (usize, &[Vec3; 3])| {
+        let face = face_normal(caster, t);
+        given.iter().all(|normal| normal.as_dvec3().normalize_or_zero().dot(face) >= OWN)
+    };
+    // Those of the triangles themselves tell how the file was written and nothing of a surface.
+    if given.iter().enumerate().all(is_own) {
         return computed;
     }
     let believed = |(t, (given, computed)): (usize, (&[Vec3; 3], [Vec3; 3]))| {
@@ -41,8 +51,10 @@ pub fn given_normals(object: &Object) -> Vec<[Vec3; 3]> {
     if object.pose.is_some() {
         return Vec::new();
     }
-    // Normals are turned and stretched as planes are.
-    let normal_matrix = object.world_from_object.matrix3.inverse().transpose();
+    // Normals are turned and stretched as planes are; a mirror turns triangles over, and normals have to be on their side.
+    let matrix = object.world_from_object.matrix3;
+    let Some(inverse) = matrix.try_inverse() else { return Vec::new() };
+    let normal_matrix = inverse.transpose() * matrix.determinant().signum();
     let placed = |normal: &Vec3| (normal_matrix * normal.as_dvec3()).as_vec3();
     object.mesh.corner_normals().iter().map(|corners| corners.each_ref().map(placed)).collect()
 }
@@ -90,6 +102,12 @@ pub(super) fn corner_angles_rad(caster: &Caster, t: usize) -> [f64; 3] {
         let [next, last] = [1, 2].map(|k| (corners[(i + k) % 3] - corners[i]).normalize_or_zero());
         next.cross(last).length().atan2(next.dot(last))
     })
+}
+
+/// Whether `normals` of the corners of triangle `t` are all its own; one without area has none.
+pub(super) fn is_flat(caster: &Caster, t: usize, normals: &[Vec3; 3]) -> bool {
+    let face = face_normal(caster, t);
+    face == DVec3::ZERO || normals.iter().all(|normal| normal.as_dvec3().dot(face) >= FLAT)
 }
 
 fn corner_at(triangles: &[[u32; 3]], t: usize, vertex: u32) -> usize {

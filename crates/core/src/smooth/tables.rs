@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
-use super::body::{Bend, SmoothBody};
+use super::body::{Bend, SmoothBody, sides_of};
 use super::volume::{INSET, MOST_INSET};
 
 /// In [`SmoothTables::bends`]: the edge is straight.
 pub const NO_BEND: u32 = u32::MAX;
+
+const NONE: u32 = u32::MAX;
 
 /// What of a [`SmoothBody`] does not depend on a light.
 ///
@@ -23,6 +25,8 @@ pub struct SmoothTables {
     pub triangle_edges: Vec<[u32; 3]>,
     /// Of each edge between wedges its ends, in the order of the caster's vertices.
     pub edges: Vec<[u32; 2]>,
+    /// Of each edge the triangle that walks it in that order, and the one that walks it back; `u32::MAX` where there is none.
+    pub edge_triangles: Vec<[u32; 2]>,
     /// Of each edge how it is bent: its own number where the surface goes on over it, that of the other side where it is a crease, or [`NO_BEND`].
     pub bends: Vec<u32>,
     /// Edges of the caster whose two sides have different normals.
@@ -64,16 +68,30 @@ impl SmoothBody {
             Bend::Straight => NO_BEND,
         };
         let creases = self.creases.iter().map(|crease| match crease.sides[..] {
-            [(a, 1), (b, -1)] | [(b, -1), (a, 1)] => Some(TwoSidedCrease { vertices: crease.vertices, edges: [a, b] }),
+            [a, b] if a.direction > 0 && b.direction < 0 => Some([a, b]),
+            [b, a] if a.direction > 0 && b.direction < 0 => Some([a, b]),
             _ => None,
         });
+        let creases = creases.zip(&self.creases).map(|(sides, crease)| {
+            Some(TwoSidedCrease { vertices: crease.vertices, edges: sides?.map(|side| side.edge) })
+        });
         let creases = creases.collect::<Option<Vec<_>>>()?;
+        let triangles_of = |e: usize| {
+            let mut of_edge = [NONE; 2];
+            // Of a straight edge there may be more, and none is looked for.
+            if self.bends[e] != Bend::Straight {
+                let sides = sides_of(topology, &self.vertex_of_wedge, e as u32);
+                sides.for_each(|side| of_edge[usize::from(side.direction < 0)] = side.triangle);
+            }
+            of_edge
+        };
         Some(SmoothTables {
             vertices: self.vertex_of_wedge.clone(),
             normals: self.normals.clone(),
             triangles,
             triangle_edges,
             edges: (0..topology.edges().len()).map(|e| self.ends(e)).collect(),
+            edge_triangles: (0..topology.edges().len()).map(triangles_of).collect(),
             bends: self.bends.iter().zip(0..).map(bend).collect(),
             creases,
         })

@@ -16,7 +16,7 @@ pub(super) fn caster_of(surface: Surface) -> Caster {
 
 const CREASE_RAD: f64 = 0.76;
 
-fn body_of(caster: &Caster) -> SmoothBody {
+pub(super) fn body_of(caster: &Caster) -> SmoothBody {
     SmoothBody::new(caster, &corner_normals(caster, &[], CREASE_RAD)).expect("it is round")
 }
 
@@ -52,7 +52,7 @@ fn smooth(epsilon_m: f64) -> Smoothness {
     Smoothness::Smooth(Precision::in_world(epsilon_m))
 }
 
-fn bodies() -> Vec<(&'static str, Caster)> {
+pub(super) fn bodies() -> Vec<(&'static str, Caster)> {
     vec![
         ("icosahedron", caster_of(shapes::icosphere(Vec3::ZERO, 1.0, 0))),
         ("sphere", caster_of(shapes::icosphere(Vec3::ZERO, 1.0, 2))),

@@ -23,8 +23,9 @@ use glam::{DVec3, Vec3};
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, needs_light_cap};
 
-use super::body::{Crease, SmoothBody};
+use super::body::{Crease, Side, SmoothBody};
 use super::curve::Curve;
+use super::islands::Islands;
 use super::precision::Precision;
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
@@ -34,6 +35,9 @@ pub(super) const MOST_INSET: f64 = 2e-3;
 
 /// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
 const EDGE_ON: f32 = 1e-5;
+
+/// How much of a triangle's area may be turned the wrong way.
+const UNSOUND: f64 = 0.05;
 
 /// So often a crossing is improved.
 const STEPS: u32 = 3;
@@ -58,6 +62,8 @@ pub struct SmoothVolume {
     pub faces: Vec<[u32; 3]>,
     /// Vertices of the caster that are among the points, and which they are.
     pub vertices: Vec<(u32, u32)>,
+    /// Triangles that are taken for flat, ascending, and whether they face the light; see [`Maker::is_sound`].
+    flat: Vec<(u32, bool)>,
     /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
     turned: Vec<i8>,
 }
@@ -71,6 +77,7 @@ pub struct SmoothScratch {
     crossing_of_edge: Vec<u32>,
     point_of_vertex: Vec<u32>,
     curve: Vec<u32>,
+    islands: Islands,
 }
 
 const NONE: u32 = u32::MAX;
@@ -111,15 +118,21 @@ impl SmoothVolume {
         self.sides.clear();
         self.faces.clear();
         self.vertices.clear();
+        self.flat.clear();
         body.find(light, &mut self.turned, &mut scratch.found);
+        scratch.islands.settle(body, light, &mut self.turned, &mut scratch.found);
         scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
         scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
         scratch.crossings.clear();
         let found = std::mem::take(&mut scratch.found);
         let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
         maker.add_triangles(&found);
+        maker.volume.flat.sort_unstable();
         for crease in &body.creases {
             maker.add_crease(crease);
+        }
+        for crease in maker.seams() {
+            maker.add_crease(&crease);
         }
         for crossing in &scratch.crossings {
             scratch.crossing_of_edge[crossing.edge as usize] = NONE;
@@ -130,8 +143,11 @@ impl SmoothVolume {
         scratch.found = found;
     }
 
-    /// Whether triangle `t` is in the light cap: any of its corners is turned to the light.
-    pub fn is_in_cap(&self, body: &SmoothBody, t: usize) -> bool {
+    /// Whether triangle `t` is in the light cap: any of its corners is turned to the light, or it is taken for flat and faces it.
+    fn is_in_cap(&self, body: &SmoothBody, t: usize) -> bool {
+        if let Ok(i) = self.flat.binary_search_by_key(&(t as u32), |flat| flat.0) {
+            return self.flat[i].1;
+        }
         body.wedges.mesh.triangles()[t].iter().any(|&w| self.turned[w as usize] > 0)
     }
 
@@ -258,7 +274,18 @@ impl Maker<'_> {
         let entry = if has_two_turned { [second, third] } else { [third, first] };
         let entry = self.body.wedges.topology.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
         let (a, b) = (self.crossing(exit), self.crossing(entry));
-        self.add_curve(a, b);
+        // The edge that is not crossed, in the direction of the curve.
+        let beside = [if has_two_turned { first } else { second }, third];
+        self.add_curve(a, b, beside);
+        let dark_corners = if has_two_turned { vec![second] } else { vec![second, third] };
+        let lit_corners = if has_two_turned { vec![third, first] } else { vec![first] };
+        let [p, q, r] = corners.map(|w| self.body.place(w));
+        let area = (q - p).cross(r - p);
+        if !self.is_sound(&lit_corners, &dark_corners, area.length()) {
+            let is_facing = area.dot(self.light.offset_from((p + q + r) / 3.0)) > 0.0;
+            self.volume.flat.push((t as u32, is_facing));
+            return;
+        }
         let dark = [third, second].map(|w| self.vertex(self.body.vertex_of_wedge[w as usize]));
         // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
         let foot = a.q;
@@ -275,20 +302,81 @@ impl Maker<'_> {
         }
     }
 
-    /// The points from `a` to `b`, both with, become the scratch's curve.
-    fn add_curve(&mut self, a: Crossing, b: Crossing) {
+    /// Whether the part of a triangle on the lit side of the scratch's curve shows the light its front, and the other its back, as the curved surface does that has
+    /// the curve for its silhouette.
+    ///
+    /// A triangle that is thin or beside a crease may not be bent as far as its normals say. Its lit part would then count -1 where another counts 1, and light
+    /// would leak through. Such a triangle is taken for flat, with its edges for creases.
+    fn is_sound(&self, lit_corners: &[u32], dark_corners: &[u32], area: f64) -> bool {
+        let place = |&p: &u32| self.volume.points[p as usize].as_dvec3();
+        let curve = || self.scratch.curve.iter().map(place);
+        let corners = |corners: &[u32]| corners.iter().map(|&w| self.body.place(w)).collect::<Vec<_>>();
+        let (lit, dark) = (corners(lit_corners), corners(dark_corners));
+        let origin = lit[0];
+        let to_light = self.light.offset_from(origin);
+        let seen = |corners: &mut dyn Iterator<Item = DVec3>| {
+            let mut last = None;
+            let mut sum = DVec3::ZERO;
+            for p in corners.map(|p| p - origin) {
+                sum += last.map_or(DVec3::ZERO, |last: DVec3| last.cross(p));
+                last = Some(p);
+            }
+            sum.dot(to_light)
+        };
+        // The curve goes from the exit to the entry, with what is lit to its left; each polygon is closed by its first corner.
+        let lit_area = seen(&mut lit[lit.len() - 1..].iter().copied().chain(curve()).chain(lit.iter().copied()));
+        let dark_area =
+            seen(&mut dark[dark.len() - 1..].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
+        lit_area.min(dark_area) >= -UNSOUND * area * to_light.length()
+    }
+
+    /// The edges of triangles that are taken for flat over which the surface goes on, as if they were creases.
+    fn seams(&self) -> Vec<Crease> {
+        let topology = &self.body.wedges.topology;
+        let edges_of = |&(t, _): &(u32, bool)| {
+            let [a, b, c] = self.body.wedges.mesh.triangles()[t as usize];
+            [[a, b], [b, c], [c, a]].map(|[from, to]| topology.edge_between(from, to))
+        };
+        let mut edges: Vec<usize> = self.volume.flat.iter().flat_map(edges_of).flatten().collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges.into_iter().filter_map(|e| self.body.seam(e)).collect()
+    }
+
+    /// The points from `a` to `b`, both with, become the scratch's curve; `beside` are the ends of the third edge of their triangle.
+    fn add_curve(&mut self, a: Crossing, b: Crossing, beside: [u32; 2]) {
         self.scratch.curve.clear();
         self.scratch.curve.push(a.p);
         if let Smoothness::Smooth(precision) = self.smoothness {
             let curve = Curve::on_surface(a.smooth, b.smooth, [a.normal, b.normal]);
-            self.add_inner_points(&curve, [0.0, 1.0], precision, |_| DVec3::ZERO);
+            let crease = self.crease_beside(beside);
+            let nearness = [self.nearness(a, beside[0]), self.nearness(b, beside[1])];
+            let moved = |u: f64| {
+                // The surface bends with the crease at its border, of which normals say nothing; else one could cross the other.
+                crease.map_or(DVec3::ZERO, |crease| crease.bulge(u) * (nearness[0] + (nearness[1] - nearness[0]) * u))
+            };
+            let pieces = curve.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light));
+            let beside_pieces =
+                crease.map_or(1, |crease| crease.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light)));
+            self.add_inner_points(&curve, [0.0, 1.0], pieces.max(beside_pieces), moved);
         }
         self.scratch.curve.push(b.p);
     }
 
-    /// Points of `curve` between `ends`, each moved by `moved`, are added to the scratch's curve.
-    fn add_inner_points(&mut self, curve: &Curve, ends: [f64; 2], precision: &Precision, moved: impl Fn(f64) -> DVec3) {
-        let pieces = curve.pieces(ends, precision.chord_m(curve.start, self.light));
+    /// The curve between two wedges, from the first to the second, if that is a crease.
+    fn crease_beside(&self, [from, to]: [u32; 2]) -> Option<Curve> {
+        let e = self.body.wedges.topology.edge_between(from, to)?;
+        let curve = self.body.crease_curve(e)?;
+        Some(if self.body.ends(e)[0] == from { curve } else { curve.reversed() })
+    }
+
+    /// 1 where a crossing is at wedge `w`, an end of its edge, and 0 where it is at the other end.
+    fn nearness(&self, crossing: Crossing, w: u32) -> f64 {
+        if self.body.ends(crossing.edge as usize)[0] == w { 1.0 - crossing.u } else { crossing.u }
+    }
+
+    /// Points of `curve` between `ends`, so that there are so many `pieces`, each moved by `moved`, are added to the scratch's curve.
+    fn add_inner_points(&mut self, curve: &Curve, ends: [f64; 2], pieces: u32, moved: impl Fn(f64) -> DVec3) {
         for i in 1..pieces {
             let u = ends[0] + (ends[1] - ends[0]) * f64::from(i) / f64::from(pieces);
             let p = self.point(curve.at(u) + moved(u));
@@ -346,20 +434,28 @@ impl Maker<'_> {
         p
     }
 
+    /// Whether the ends of an edge, the lower vertex first, are lit on that side of it.
+    fn lit_ends(&self, side: &Side) -> [bool; 2] {
+        match self.volume.flat.binary_search_by_key(&side.triangle, |flat| flat.0) {
+            Ok(i) => [self.volume.flat[i].1; 2],
+            Err(_) => self.body.ends(side.edge as usize).map(|w| self.is_turned(w)),
+        }
+    }
+
     /// What is lit on one side of a crease and not on the other: its part of the silhouette runs along the crease.
     fn add_crease(&mut self, crease: &Crease) {
-        let lit = |maker: &Self, e: u32| maker.body.ends(e as usize).map(|w| maker.is_turned(w));
-        let first = lit(self, crease.sides[0].0);
-        if first[0] == first[1] && crease.sides.iter().all(|&(e, _)| lit(self, e) == first) {
+        let first = self.lit_ends(&crease.sides[0]);
+        if first[0] == first[1] && crease.sides.iter().all(|side| self.lit_ends(side) == first) {
             return;
         }
         let [low, high] = crease.vertices.map(|v| self.vertex(v));
         // Places along the crease in order, and how often what is lit begins there less ends there, as the sides walk.
         let mut places: Vec<(f64, u32, i32)> = vec![(0.0, low, 0), (1.0, high, 0)];
         let mut left_over: Vec<([u32; 2], i32)> = Vec::new();
-        for &(e, direction) in &crease.sides {
+        for side in &crease.sides {
+            let (e, direction) = (side.edge, side.direction);
             let mut walk = |path: &[u32]| left_over.extend(path.windows(2).map(|w| ([w[0], w[1]], direction)));
-            match lit(self, e) {
+            match self.lit_ends(side) {
                 [true, true] => {
                     walk(&[low, high]);
                     places[0].2 += direction;
@@ -389,7 +485,7 @@ impl Maker<'_> {
 
     /// The sides between `places` along the crease; they are taken from what is left over.
     fn add_runs(&mut self, crease: &Crease, places: &[(f64, u32, i32)], left_over: &mut Vec<([u32; 2], i32)>) {
-        let e = crease.sides[0].0 as usize;
+        let e = crease.sides[0].edge as usize;
         let mut times = 0;
         for pair in places.windows(2) {
             times += pair[0].2;
@@ -402,7 +498,8 @@ impl Maker<'_> {
             if let Smoothness::Smooth(precision) = self.smoothness {
                 let curve = self.body.curve_of_edge(e);
                 let sunk = self.sunk(crease, &curve);
-                self.add_inner_points(&curve, [from, to], precision, |u| sunk * (4.0 * u * (1.0 - u)));
+                let pieces = curve.pieces([from, to], precision.chord_m(curve.start, self.light));
+                self.add_inner_points(&curve, [from, to], pieces, |u| sunk * (4.0 * u * (1.0 - u)));
             }
             self.scratch.curve.push(end);
             for i in 1..self.scratch.curve.len() {
@@ -417,7 +514,7 @@ impl Maker<'_> {
     /// By how much the middle of a crease is moved into the body: not at all but where the curve goes into it, along one of its faces, which would
     /// then lie in the fin.
     fn sunk(&self, crease: &Crease, curve: &Curve) -> DVec3 {
-        let normals = crease.sides.iter().flat_map(|&(e, _)| self.body.ends(e as usize));
+        let normals = crease.sides.iter().flat_map(|side| self.body.ends(side.edge as usize));
         let outward = normals.map(|w| self.body.normal(w)).sum::<DVec3>().normalize_or_zero();
         let chord_m = curve.start.distance(curve.end);
         let bulge_m = (curve.at(0.5) - curve.start.midpoint(curve.end)).dot(outward);

@@ -3,7 +3,7 @@
 use super::Layouts;
 use super::surface::{SurfacePipelines, SurfaceState};
 use crate::targets::Output;
-use crate::{Gpu, GpuScene, LIT};
+use crate::{Gpu, GpuScene, LIT, shaders};
 
 /// Adds a light to every visible surface whose stencil is [`LIT`] and whose seen side the light reaches; and sets the stencil to that, before
 /// volumes are counted, on every one that it reaches at all.
@@ -72,6 +72,30 @@ impl LightPass {
     }
 }
 
+/// Adds a light with a size, as much of it as group 3 says, to every visible surface whose seen side it reaches.
+#[derive(Debug)]
+pub(crate) struct SoftSurfaces(SurfacePipelines);
+
+impl SoftSurfaces {
+    /// For pictures; `layout` has the visibility in group 3.
+    pub(crate) fn new(gpu: &Gpu, layout: &wgpu::PipelineLayout, samples: u32) -> Self {
+        let state = SurfaceState {
+            label: "soft light",
+            layout,
+            entry_point: "fs_soft_light",
+            blend: Some(ADD),
+            depth_stencil: on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Keep, 0),
+        };
+        let module = shaders::soft_light(&gpu.device, samples);
+        Self(SurfacePipelines::with_module(gpu, &module, Some(Output::Picture), samples, &state))
+    }
+
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, light: &wgpu::BindGroup) {
+        pass.set_bind_group(1, light, &[]);
+        self.0.draw(pass, scene);
+    }
+}
+
 /// What is drawn is added.
 pub(super) const ADD: wgpu::BlendState = {
     let add = wgpu::BlendComponent {
@@ -92,7 +116,7 @@ pub(super) fn setting_the_mark(gpu: &Gpu) -> wgpu::DepthStencilState {
     on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Replace, 0xFF)
 }
 
-fn on_what_is_seen(
+pub(super) fn on_what_is_seen(
     gpu: &Gpu,
     compare: wgpu::CompareFunction,
     pass_op: wgpu::StencilOperation,

@@ -15,7 +15,7 @@ pub(crate) use find_smooth::{
     FindSmoothPass, SMOOTH_JOB_SIZE, SmoothAmounts, SmoothJobSlot, SmoothJobUniform, smooth_flags, smooth_job_offset,
 };
 pub(crate) use glass::{GlassFrame, GlassPass};
-pub(crate) use light::LightPass;
+pub(crate) use light::{LightPass, SoftSurfaces};
 pub(crate) use overlay::{GpuOverlay, OverlayPass};
 pub(crate) use pose::{PoseBuffers, PosePass, PosedUniform};
 pub(crate) use sphere::{GpuSpheres, SpherePass};
@@ -29,6 +29,7 @@ use crate::{Gpu, gpu_finishes, uniforms};
 pub(crate) struct Layouts {
     pub(crate) view: wgpu::BindGroupLayout,
     pub(crate) light: wgpu::BindGroupLayout,
+    pub(crate) finish: wgpu::BindGroupLayout,
     pub(crate) view_and_light: wgpu::PipelineLayout,
     /// Surfaces without a light.
     pub(crate) view_and_finish: wgpu::PipelineLayout,
@@ -45,7 +46,7 @@ impl Layouts {
         let view_and_finish = pipeline_layout(gpu, "view and finish", &[Some(&view), None, Some(&finish)]);
         let view_light_and_finish =
             pipeline_layout(gpu, "view, light and finish", &[Some(&view), Some(&light), Some(&finish)]);
-        Self { view, light, view_and_light, view_and_finish, view_light_and_finish }
+        Self { view, light, finish, view_and_light, view_and_finish, view_light_and_finish }
     }
 }
 

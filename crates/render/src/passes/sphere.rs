@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, DVec4};
 use umbrae_core::{Camera, Sphere};
 use wgpu::util::DeviceExt as _;
 
-use super::light::{ADD, setting_the_mark, where_unshaded};
+use super::light::{ADD, on_what_is_seen, setting_the_mark, where_unshaded};
 use super::surface::nearest;
 use super::{BOTH_SIDES, Layouts, uniform_group};
 use crate::targets::Output;
@@ -56,31 +56,9 @@ pub(crate) struct GpuSpheres {
 impl SpherePass {
     pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, output: Output, samples: u32) -> Self {
         let module = shaders::sphere(&gpu.device, gpu.caps.shades_samples);
+        let made_of = MadeOf { module: &module, layout: &layouts.view_and_light, fragment: "fs_sphere", samples };
         let pipeline = |label, color: Option<Option<wgpu::BlendState>>, depth_stencil| {
-            let color = color.map(|blend| {
-                Some(wgpu::ColorTargetState { format: output.format(), blend, write_mask: wgpu::ColorWrites::ALL })
-            });
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(label),
-                layout: Some(&layouts.view_and_light),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vs_sphere"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[Some(Impostor::LAYOUT)],
-                },
-                primitive: BOTH_SIDES,
-                depth_stencil: Some(depth_stencil),
-                multisample: wgpu::MultisampleState { count: samples, ..wgpu::MultisampleState::default() },
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fs_sphere"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: color.as_slice(),
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+            made_of.pipeline(gpu, label, color.map(|blend| (output, blend)), depth_stencil)
         };
         let (tasks, blend) = match output {
             Output::Picture => ([0, 1], Some(ADD)),
@@ -93,6 +71,25 @@ impl SpherePass {
             no_light: uniform_group(gpu, "no light", &layouts.light, bytemuck::bytes_of(&LightUniform::zeroed())),
             tasks,
         }
+    }
+
+    /// What adds a light with a size to pictures; `layout` has the visibility in group 3.
+    pub(crate) fn soft(gpu: &Gpu, layout: &wgpu::PipelineLayout, samples: u32) -> wgpu::RenderPipeline {
+        let module = shaders::soft_sphere(&gpu.device, samples);
+        let made_of = MadeOf { module: &module, layout, fragment: "fs_soft_sphere", samples };
+        let seen = on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Keep, 0);
+        let nearest = wgpu::DepthStencilState { depth_compare: Some(wgpu::CompareFunction::GreaterEqual), ..seen };
+        made_of.pipeline(gpu, "soft light on spheres", Some((Output::Picture, Some(ADD))), nearest)
+    }
+
+    /// Draws with what [`SpherePass::soft`] made.
+    pub(crate) fn draw_soft(
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        spheres: &GpuSpheres,
+        light: &wgpu::BindGroup,
+    ) {
+        draw(pass, pipeline, spheres, light, 1);
     }
 
     /// Makes ready what of `spheres` may be in view of `camera`.
@@ -127,6 +124,49 @@ impl SpherePass {
     /// Sets the stencil to [`LIT`] on what the light would brighten if nothing shaded it.
     pub(crate) fn draw_mark(&self, pass: &mut wgpu::RenderPass<'_>, spheres: &GpuSpheres, light: &wgpu::BindGroup) {
         draw(pass, &self.mark, spheres, light, 1);
+    }
+}
+
+/// In what pipelines over spheres differ.
+struct MadeOf<'a> {
+    module: &'a wgpu::ShaderModule,
+    layout: &'a wgpu::PipelineLayout,
+    fragment: &'a str,
+    samples: u32,
+}
+
+impl MadeOf<'_> {
+    fn pipeline(
+        &self,
+        gpu: &Gpu,
+        label: &str,
+        color: Option<(Output, Option<wgpu::BlendState>)>,
+        depth_stencil: wgpu::DepthStencilState,
+    ) -> wgpu::RenderPipeline {
+        let color = color.map(|(output, blend)| {
+            Some(wgpu::ColorTargetState { format: output.format(), blend, write_mask: wgpu::ColorWrites::ALL })
+        });
+        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(label),
+            layout: Some(self.layout),
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some("vs_sphere"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[Some(Impostor::LAYOUT)],
+            },
+            primitive: BOTH_SIDES,
+            depth_stencil: Some(depth_stencil),
+            multisample: wgpu::MultisampleState { count: self.samples, ..wgpu::MultisampleState::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some(self.fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: color.as_slice(),
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
     }
 }
 

@@ -74,8 +74,18 @@ pub(super) struct SurfacePipelines {
 impl SurfacePipelines {
     /// Without an `output` there is no colour, only depth and stencil.
     pub(super) fn new(gpu: &Gpu, output: Option<Output>, samples: u32, state: &SurfaceState<'_>) -> Self {
-        let module = shaders::surface(&gpu.device);
-        let pipeline = |kind| surface_pipeline(gpu, &module, output, samples, state, kind);
+        Self::with_module(gpu, &shaders::surface(&gpu.device), output, samples, state)
+    }
+
+    /// As [`SurfacePipelines::new`], with entry points of `module`.
+    pub(super) fn with_module(
+        gpu: &Gpu,
+        module: &wgpu::ShaderModule,
+        output: Option<Output>,
+        samples: u32,
+        state: &SurfaceState<'_>,
+    ) -> Self {
+        let pipeline = |kind| surface_pipeline(gpu, module, output, samples, state, kind);
         let has_look = output == Some(Output::Picture);
         Self {
             plain: pipeline(FinishKind::Plain),

@@ -55,6 +55,26 @@ fn curve_tangent(curve: Curve, u: f32) -> vec3f {
     return 6.0 * u * (1.0 - u) * curve.chord + (1.0 - u) * (1.0 - 3.0 * u) * curve.first + u * (3.0 * u - 2.0) * curve.last;
 }
 
+// How far the curve is from its chord.
+fn curve_bulge(curve: Curve, u: f32) -> vec3f {
+    return curve_at(curve, u) - (curve.start + curve.chord * u);
+}
+
+// How much of the curve's bend keeps it from going farther than `inward` in that direction from its chord.
+fn curve_share_within(curve: Curve, inward: vec3f) -> f32 {
+    let most = dot(inward, inward);
+    let quarter = dot(curve_bulge(curve, 0.25), inward);
+    let farthest = max(quarter, max(dot(curve_bulge(curve, 0.5), inward), dot(curve_bulge(curve, 0.75), inward)));
+    if farthest > most {
+        return most / farthest;
+    }
+    return 1.0;
+}
+
+fn flattened_curve(curve: Curve, share: f32) -> Curve {
+    return Curve(curve.start, curve.chord, mix(curve.chord, curve.first, share), mix(curve.chord, curve.last, share));
+}
+
 // The unit normal of the surface at `u`, between those at the ends.
 fn curve_normal(curve: Curve, u: f32, first_normal: vec3f, last_normal: vec3f) -> vec3f {
     let between = mix(first_normal, last_normal, u);

@@ -1,5 +1,5 @@
 // Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` (of bodies that have moved), `find_heights`,
-// `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture of
+// `find_crossings`, `find_faces`, `find_creases`, `find_seams`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture of
 // them. Needs smooth_job.wgsl, near.wgsl and curve.wgsl.
 //
 // Whether a wedge is turned to the light is decided once, by the sign of a height that is stored, and a crossing is made once for each edge between
@@ -40,6 +40,11 @@ const INSET: f32 = 0.02;
 const STEPS: u32 = 3u;
 // `core/src/smooth/body.rs`: with a smaller sine between them, two normals have no common tangent.
 const NEARLY_PARALLEL: f32 = 1e-3;
+const MOST_INWARD: f32 = 0.2;
+// So that nothing is divided by 0.
+const SMALLEST: f32 = 1e-37;
+// `core/src/smooth/volume.rs`.
+const UNSOUND: f32 = 0.05;
 const NO_BEND: u32 = 0xFFFFFFFFu;
 // `core/src/smooth/precision.rs`.
 const LEAST_SINE: f32 = 0.05;
@@ -136,11 +141,30 @@ fn curve_of_edge(e: u32) -> Curve {
     let lower = ends_of_edge(min(e, bend));
     let higher = ends_of_edge(max(e, bend));
     let chord = end - start;
-    return curve_along(
+    let curve = curve_along(
         start, end,
         crease_direction(normal_of_wedge(lower.x), normal_of_wedge(higher.x), chord),
         crease_direction(normal_of_wedge(lower.y), normal_of_wedge(higher.y), chord),
     );
+    let share = min(
+        curve_share_within(curve, MOST_INWARD * height_over(min(e, bend), start, chord)),
+        curve_share_within(curve, MOST_INWARD * height_over(max(e, bend), start, chord)),
+    );
+    return flattened_curve(curve, share);
+}
+
+// From edge `e`, one side of a crease, at a right angle to the third corner of its triangle.
+fn height_over(e: u32, start: vec3f, chord: vec3f) -> vec3f {
+    let ends = ends_of_edge(e);
+    // It has one triangle; the other number is the largest.
+    let t = min(tables[job.edge_triangles + 2u * e], tables[job.edge_triangles + 2u * e + 1u]);
+    var third = wedge_of_corner(3u * t);
+    for (var k = 1u; k < 3u; k++) {
+        let w = wedge_of_corner(3u * t + k);
+        third = select(third, w, third == ends.x || third == ends.y);
+    }
+    let off = place_of_wedge(third) - start;
+    return off - chord * (dot(off, chord) / max(dot(chord, chord), SMALLEST));
 }
 
 // Where the surface along the curve turns away from the light: regula falsi in the Illinois form.
@@ -283,44 +307,158 @@ fn put_face(i: u32, a: u32, b: u32, c: u32) {
     note_near(place_of(a), place_of(b), place_of(c));
 }
 
-// Triangle `t`, whose corner `k` is turned to the light and the next one is not: the cycle from the fin's foot at the exit, along the curve, down to the
-// fold, and back along the dark corners.
-fn add_crossed(t: u32, k: u32) {
+// What is between the crossings of a triangle.
+struct Crossed {
+    // The crossing over which the triangle's walk leaves the light, and the other.
+    leave: u32,
+    entry: u32,
+    curve: Curve,
+    // The curve of the edge that is not crossed, from the exit to the entry, if that is a crease; and how near to it the crossings are.
+    beside: Curve,
+    nearness: vec2f,
+    cut: Cut,
+}
+
+// 1 where a crossing is at wedge `w`, an end of its edge, and 0 where it is at the other end.
+fn nearness(e: u32, w: u32) -> f32 {
+    let u = points[crossing(e)].w;
+    return select(u, 1.0 - u, ends_of_edge(e).x == w);
+}
+
+// Of triangle `t`, whose corner `k` is turned to the light and the next one is not.
+fn crossed(t: u32, k: u32) -> Crossed {
     let second = wedge_of_corner(3u * t + (k + 1u) % 3u);
     let third = wedge_of_corner(3u * t + (k + 2u) % 3u);
     let has_two_turned = is_turned(third);
-    let leave = crossing(tables[job.triangle_edges + 3u * t + k]);
-    let entry = crossing(tables[job.triangle_edges + 3u * t + (k + select(2u, 1u, has_two_turned)) % 3u]);
+    let leave_edge = tables[job.triangle_edges + 3u * t + k];
+    let entry_edge = tables[job.triangle_edges + 3u * t + (k + select(2u, 1u, has_two_turned)) % 3u];
+    let leave = crossing(leave_edge);
+    let entry = crossing(entry_edge);
     let start = points[leave].xyz;
     let curve = curve_on_surface(start, points[entry].xyz, points[leave + 2u].xyz, points[entry + 2u].xyz);
-    var cut = Cut(0u, 1u);
-    if (job.flags & CURVED) != 0u {
-        cut = cut_for(curve_pieces(curve, 1.0, chord_m(start)));
+    var it = Crossed(leave, entry, curve, straight_curve(start, start), vec2f(0.0), Cut(0u, 1u));
+    if (job.flags & CURVED) == 0u {
+        return it;
     }
-    let foot = leave + 1u;
-    let side = atomicAdd(&results[job.number].sides, cut.pieces);
-    let face = atomicAdd(&results[job.number].faces, cut.pieces + select(3u, 2u, has_two_turned));
-    var before = leave;
-    for (var i = 1u; i <= cut.pieces; i++) {
-        var here = entry;
-        if i < cut.pieces {
-            here = cut.first + i - 1u;
-            points[here] = vec4f(curve_at(curve, f32(i) / f32(cut.pieces)), 0.0);
+    let epsilon_m = chord_m(start);
+    var pieces = curve_pieces(curve, 1.0, epsilon_m);
+    let beside = tables[job.triangle_edges + 3u * t + (k + select(1u, 2u, has_two_turned)) % 3u];
+    let bend = tables[job.bends + beside];
+    if bend != beside && bend != NO_BEND {
+        var along = curve_of_edge(beside);
+        let from_wedge = select(second, wedge_of_corner(3u * t + k), has_two_turned);
+        if ends_of_edge(beside).x != from_wedge {
+            along = Curve(along.start + along.chord, -along.chord, -along.last, -along.first);
+        }
+        it.beside = along;
+        it.nearness = vec2f(nearness(leave_edge, from_wedge), nearness(entry_edge, third));
+        pieces = max(pieces, curve_pieces(along, 1.0, epsilon_m));
+    }
+    it.cut = cut_for(pieces);
+    return it;
+}
+
+// Point `i` of the silhouette through a triangle, from the exit on. The surface bends with the crease at its border, of which normals say nothing; else one could
+// cross the other.
+fn crossed_place(it: Crossed, i: u32) -> vec3f {
+    if i == 0u {
+        return points[it.leave].xyz;
+    }
+    if i == it.cut.pieces {
+        return points[it.entry].xyz;
+    }
+    let u = f32(i) / f32(it.cut.pieces);
+    return curve_at(it.curve, u) + curve_bulge(it.beside, u) * mix(it.nearness.x, it.nearness.y, u);
+}
+
+// Whether the lit part of the triangle shows the light its front, and the other its back: `SmoothVolume` says why. One that does not is taken for flat.
+fn is_sound(t: u32, k: u32, it: Crossed) -> bool {
+    let first = place_of_wedge(wedge_of_corner(3u * t + k));
+    let second = place_of_wedge(wedge_of_corner(3u * t + (k + 1u) % 3u));
+    let third_wedge = wedge_of_corner(3u * t + (k + 2u) % 3u);
+    let third = place_of_wedge(third_wedge);
+    let has_two_turned = is_turned(third_wedge);
+    // From a lit corner; polygons go from there to the exit, along the curve, and back over their corners.
+    let origin = select(first, third, has_two_turned);
+    let light = to_light(origin);
+    var along = vec3f(0.0);
+    var last = crossed_place(it, 0u) - origin;
+    let exit = last;
+    for (var i = 1u; i <= it.cut.pieces; i++) {
+        let here = crossed_place(it, i) - origin;
+        along += cross(last, here);
+        last = here;
+    }
+    var lit = along;
+    var dark = along;
+    let a = first - origin;
+    let b = second - origin;
+    let c = third - origin;
+    if has_two_turned {
+        lit += cross(last, c) + cross(c, a) + cross(a, exit);
+        dark += cross(last, b) + cross(b, exit);
+    } else {
+        lit += cross(last, a) + cross(a, exit);
+        dark += cross(last, c) + cross(c, b) + cross(b, exit);
+    }
+    let area = length(cross(second - first, third - first));
+    return min(dot(lit, light), dot(dark, light)) >= -UNSOUND * area * length(light);
+}
+
+// The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
+fn add_crossed(t: u32, k: u32, it: Crossed) {
+    let second = wedge_of_corner(3u * t + (k + 1u) % 3u);
+    let third = wedge_of_corner(3u * t + (k + 2u) % 3u);
+    let has_two_turned = is_turned(third);
+    let foot = it.leave + 1u;
+    let side = atomicAdd(&results[job.number].sides, it.cut.pieces);
+    let face = atomicAdd(&results[job.number].faces, it.cut.pieces + select(3u, 2u, has_two_turned));
+    var before = it.leave;
+    for (var i = 1u; i <= it.cut.pieces; i++) {
+        var here = it.entry;
+        if i < it.cut.pieces {
+            here = it.cut.first + i - 1u;
+            points[here] = vec4f(crossed_place(it, i), 0.0);
         }
         put_side(side + i - 1u, before, here);
         put_face(face + i - 1u, foot, before, here);
         before = here;
     }
     let dark = VERTEX | tables[job.vertices + second];
-    let rest = face + cut.pieces;
-    put_face(rest, foot, entry, entry + 1u);
+    let rest = face + it.cut.pieces;
+    put_face(rest, foot, it.entry, it.entry + 1u);
     if has_two_turned {
-        put_face(rest + 1u, foot, entry + 1u, dark);
+        put_face(rest + 1u, foot, it.entry + 1u, dark);
     } else {
         let beyond = VERTEX | tables[job.vertices + third];
-        put_face(rest + 1u, foot, entry + 1u, beyond);
+        put_face(rest + 1u, foot, it.entry + 1u, beyond);
         put_face(rest + 2u, foot, beyond, dark);
     }
+}
+
+// Of triangles that are taken for flat, whether they face the light.
+const FLAT_DARK: u32 = 1u;
+const FLAT_LIT: u32 = 2u;
+
+fn flatness(t: u32) -> u32 {
+    return lists[job.flats + t];
+}
+
+// Where more triangles meet than two, nothing could close a flat one.
+fn may_be_flat(t: u32) -> bool {
+    for (var k = 0u; k < 3u; k++) {
+        if tables[job.bends + tables[job.triangle_edges + 3u * t + k]] == NO_BEND {
+            return false;
+        }
+    }
+    return true;
+}
+
+fn faces_light(t: u32) -> bool {
+    let a = place_of_wedge(wedge_of_corner(3u * t));
+    let b = place_of_wedge(wedge_of_corner(3u * t + 1u));
+    let c = place_of_wedge(wedge_of_corner(3u * t + 2u));
+    return dot(cross(b - a, c - a), to_light((a + b + c) / 3.0)) > 0.0;
 }
 
 var<workgroup> cap_count: atomic<u32>;
@@ -335,12 +473,30 @@ fn find_faces(
     let t = thread(id, groups);
     // A bit for each corner that is turned to the light.
     var turned = 0u;
+    // The corner from which the triangle's walk leaves the light, if it does.
+    var k = 3u;
     if t < job.triangle_count {
-        for (var k = 0u; k < 3u; k++) {
-            turned |= select(0u, 1u << k, is_turned(wedge_of_corner(3u * t + k)));
+        for (var i = 0u; i < 3u; i++) {
+            turned |= select(0u, 1u << i, is_turned(wedge_of_corner(3u * t + i)));
+        }
+        for (var i = 0u; i < 3u; i++) {
+            if ((turned >> i) & 1u) != 0u && ((turned >> ((i + 1u) % 3u)) & 1u) == 0u {
+                k = i;
+            }
         }
     }
-    let is_in_cap = turned != 0u;
+    var it: Crossed;
+    var flat = 0u;
+    if k < 3u {
+        it = crossed(t, k);
+        if may_be_flat(t) && !is_sound(t, k, it) {
+            flat = select(FLAT_DARK, FLAT_LIT, faces_light(t));
+        }
+    }
+    if t < job.triangle_count {
+        lists[job.flats + t] = flat;
+    }
+    let is_in_cap = turned != 0u && flat != FLAT_DARK;
     var place = 0u;
     if is_in_cap && (job.flags & NEEDS_CAPS) != 0u {
         place = atomicAdd(&cap_count, 1u);
@@ -361,12 +517,8 @@ fn find_faces(
         place_of_wedge(wedge_of_corner(3u * t + 1u)),
         place_of_wedge(wedge_of_corner(3u * t + 2u)),
     );
-    // Some are not: over one edge the triangle's walk leaves the light.
-    for (var k = 0u; k < 3u; k++) {
-        let next = (k + 1u) % 3u;
-        if ((turned >> k) & 1u) != 0u && ((turned >> next) & 1u) == 0u {
-            add_crossed(t, k);
-        }
+    if k < 3u && flat == 0u {
+        add_crossed(t, k, it);
     }
 }
 
@@ -382,18 +534,16 @@ fn add_way(apex: u32, from_point: u32, to_point: u32, is_forward: bool) {
 }
 
 // The part of the silhouette that runs along a crease, between two names and places; walked so by the lit side where it `is_forward`.
-fn add_run(crease: u32, names: vec2u, u: vec2f, is_forward: bool) {
+fn add_run(apex: u32, edges: vec2u, names: vec2u, u: vec2f, is_forward: bool) {
     if names.x == names.y {
         return;
     }
-    let e = tables[crease + 2u];
-    let apex = VERTEX | tables[crease];
-    let curve = curve_of_edge(e);
+    let curve = curve_of_edge(edges.x);
     var cut = Cut(0u, 1u);
     var sunk = vec3f(0.0);
     if (job.flags & CURVED) != 0u {
         cut = cut_for(curve_pieces(curve, u.y - u.x, chord_m(curve.start)));
-        sunk = sunk_of(e, tables[crease + 3u], curve);
+        sunk = sunk_of(edges.x, edges.y, curve);
     }
     let side = atomicAdd(&results[job.number].sides, cut.pieces);
     var before = names.x;
@@ -435,40 +585,35 @@ struct Lit {
     names: vec2u,
 }
 
-fn lit_of(e: u32, low: u32, high: u32) -> Lit {
-    let ends = ends_of_edge(e);
+fn lit_of(e: u32, turned: u32, low: u32, high: u32) -> Lit {
     var lit = Lit(vec2f(0.0, 1.0), vec2u(low, high));
-    if !is_turned(ends.x) && !is_turned(ends.y) {
-        lit.u.y = 0.0;
-        lit.names.y = low;
-    } else if !is_turned(ends.y) {
+    if turned == 1u {
         lit.u.y = points[crossing(e)].w;
         lit.names.y = crossing(e);
-    } else if !is_turned(ends.x) {
+    } else if turned == 2u {
         lit.u.x = points[crossing(e)].w;
         lit.names.x = crossing(e);
     }
     return lit;
 }
 
-// Which ends of edge `e` are turned to the light: 1 for the lower, 2 for the higher.
-fn turned_ends(e: u32) -> u32 {
+// Which ends of edge `e` are turned to the light on the side of triangle `t`: 1 for the lower, 2 for the higher.
+fn turned_ends(e: u32, t: u32) -> u32 {
+    let flat = flatness(t);
+    if flat != 0u {
+        return select(0u, 3u, flat == FLAT_LIT);
+    }
     let ends = ends_of_edge(e);
     return select(0u, 1u, is_turned(ends.x)) + select(0u, 2u, is_turned(ends.y));
 }
 
-@compute @workgroup_size(64)
-fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = thread(id, groups);
-    if number >= job.crease_count {
-        return;
-    }
-    // Two vertices, the edge whose triangle walks from the lower to the higher, and the other.
-    let crease = job.creases + 4u * number;
-    let low = VERTEX | tables[crease];
-    let high = VERTEX | tables[crease + 1u];
-    let edges = vec2u(tables[crease + 2u], tables[crease + 3u]);
-    let turned = vec2u(turned_ends(edges.x), turned_ends(edges.y));
+// What is lit on one side of a crease and not on the other. `edges` are that whose triangle walks from the vertex `low` to `high`, and the other side's, which may
+// be the same.
+fn add_crease(low: u32, high: u32, edges: vec2u) {
+    let turned = vec2u(
+        turned_ends(edges.x, tables[job.edge_triangles + 2u * edges.x]),
+        turned_ends(edges.y, tables[job.edge_triangles + 2u * edges.y + 1u]),
+    );
     if turned.x == turned.y && (turned.x == 0u || turned.x == 3u) {
         return;
     }
@@ -483,19 +628,43 @@ fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     }
     // The first side's lit part less the second's: from where the first begins to where the second does, and from where the second ends to where the
     // first does. That is backwards where the second is the longer one, and closes in any case.
-    let a = lit_of(edges.x, low, high);
-    let b = lit_of(edges.y, low, high);
+    let a = lit_of(edges.x, turned.x, low, high);
+    let b = lit_of(edges.y, turned.y, low, high);
     if turned.y == 0u {
-        add_run(crease, a.names, a.u, true);
+        add_run(low, edges, a.names, a.u, true);
     } else if turned.x == 0u {
-        add_run(crease, b.names, b.u, false);
+        add_run(low, edges, b.names, b.u, false);
     } else if max(a.u.x, b.u.x) > min(a.u.y, b.u.y) {
         // Apart.
-        add_run(crease, a.names, a.u, true);
-        add_run(crease, b.names, b.u, false);
+        add_run(low, edges, a.names, a.u, true);
+        add_run(low, edges, b.names, b.u, false);
     } else {
-        add_run(crease, vec2u(a.names.x, b.names.x), vec2f(a.u.x, b.u.x), true);
-        add_run(crease, vec2u(b.names.y, a.names.y), vec2f(b.u.y, a.u.y), true);
+        add_run(low, edges, vec2u(a.names.x, b.names.x), vec2f(a.u.x, b.u.x), true);
+        add_run(low, edges, vec2u(b.names.y, a.names.y), vec2f(b.u.y, a.u.y), true);
+    }
+}
+
+@compute @workgroup_size(64)
+fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let number = thread(id, groups);
+    if number < job.crease_count {
+        let crease = job.creases + 4u * number;
+        let edges = vec2u(tables[crease + 2u], tables[crease + 3u]);
+        add_crease(VERTEX | tables[crease], VERTEX | tables[crease + 1u], edges);
+    }
+}
+
+// Edges over which the surface goes on, but for a triangle that is taken for flat.
+@compute @workgroup_size(64)
+fn find_seams(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let e = thread(id, groups);
+    if e >= job.edge_count || tables[job.bends + e] != e {
+        return;
+    }
+    let triangles = vec2u(tables[job.edge_triangles + 2u * e], tables[job.edge_triangles + 2u * e + 1u]);
+    if flatness(triangles.x) != 0u || flatness(triangles.y) != 0u {
+        let ends = ends_of_edge(e);
+        add_crease(VERTEX | tables[job.vertices + ends.x], VERTEX | tables[job.vertices + ends.y], vec2u(e, e));
     }
 }
 

@@ -44,8 +44,9 @@ struct SmoothJob {
     sides: u32,
     faces: u32,
     caps: u32,
-    unused_a: u32,
-    unused_b: u32,
+    // In `tables` and in `lists`.
+    edge_triangles: u32,
+    flats: u32,
 }
 
 // Silhouettes are moved onto curves, and cut.

@@ -43,6 +43,10 @@ struct Shaded {
 
 @fragment
 fn fs_sphere(ray: Ray) -> Shaded {
+    return shaded(ray);
+}
+
+fn shaded(ray: Ray) -> Shaded {
     let center = ray.center_radius.xyz;
     let radius = ray.center_radius.w;
     let power = ray.color_power.w;

@@ -43,7 +43,8 @@ struct Fragment {
     // device interpolates positions over a triangle as large as the ground.
     @location(3) @interpolate(flat) corner_world: vec3f,
     @location(4) uv: vec2f,
-    @location(5) shading_normal_world: vec3f,
+    // The normal to shade with, not of unit length between corners; and how high each corner is over the eye along its own.
+    @location(5) shading: vec4f,
     @location(6) @interpolate(flat) flatness: f32,
 }
 
@@ -56,7 +57,8 @@ fn vs_surface(vertex: Vertex) -> Fragment {
     out.corner_world = vertex.position_world;
     out.color = linear_from_srgb(vertex.color_srgb.rgb);
     out.uv = vertex.uv;
-    out.shading_normal_world = vertex.shading_normal_world;
+    let from_eye = vertex.position_world - view.eye_world;
+    out.shading = vec4f(vertex.shading_normal_world, dot(vertex.shading_normal_world, from_eye));
     out.flatness = vertex.color_srgb.a;
     return out;
 }
@@ -78,7 +80,7 @@ fn seen_normal(fragment: Fragment) -> vec3f {
 
 // Whether the triangle stands for a curved surface here. Where opposite normals cancel out there is none to shade with.
 fn is_smooth(fragment: Fragment) -> bool {
-    return fragment.flatness < 0.5 && dot(fragment.shading_normal_world, fragment.shading_normal_world) > 0.0;
+    return fragment.flatness < 0.5 && dot(fragment.shading.xyz, fragment.shading.xyz) > 0.0;
 }
 
 // The normal that the surface is shaded with, on the eye's side: on which side the eye is, the triangle alone says, as everywhere else.
@@ -86,8 +88,17 @@ fn shading_normal(fragment: Fragment) -> vec3f {
     if !is_smooth(fragment) {
         return seen_normal(fragment);
     }
-    let n = normalize(fragment.shading_normal_world);
+    let n = normalize(fragment.shading.xyz);
     return select(-n, n, is_front_seen(fragment));
+}
+
+// Of a smooth surface: how high the light is over the tangent planes of the corners, on the seen side, interpolated between them; in lengths of the
+// normal, and of the way to the light. Where it is 0, silhouettes of smooth bodies cross the triangle; the height over an interpolated plane
+// would be another for a lamp nearby, and above 0 where no corner is lit.
+fn light_height(from_light: Light, fragment: Fragment) -> f32 {
+    let from_eye = offset_to_light(from_light, view.eye_world);
+    let height = dot(fragment.shading.xyz, from_eye) - fragment.shading.w * from_light.position_world.w;
+    return select(-height, height, is_front_seen(fragment));
 }
 
 // 1 near the model, 0 where the ground has faded into the sky.
@@ -149,7 +160,7 @@ fn gives_light(fragment: Fragment) -> bool {
 // The one way in which it is decided where the lit side of a surface ends, for light, marks and masks.
 fn is_turned_to_light(from_light: Light, fragment: Fragment) -> bool {
     if is_smooth(fragment) {
-        return dot(shading_normal(fragment), offset_to_light(from_light, fragment.position_world)) > 0.0;
+        return light_height(from_light, fragment) > 0.0;
     }
     return dot(seen_normal(fragment), offset_to_light(from_light, fragment.corner_world)) > 0.0;
 }
@@ -160,7 +171,13 @@ fn reaches_seen_side(from_light: Light, fragment: Fragment) -> bool {
 
 // Where the light reaches the seen side.
 fn irradiance(from_light: Light, fragment: Fragment) -> vec3f {
-    return irradiance_on(from_light, shading_normal(fragment), fragment.position_world);
+    if is_smooth(fragment) {
+        let offset = offset_to_light(from_light, fragment.position_world);
+        let lengths_squared = dot(fragment.shading.xyz, fragment.shading.xyz) * dot(offset, offset);
+        return from_light.strength
+            * (max(light_height(from_light, fragment) * inverseSqrt(lengths_squared), 0.0) * attenuation(from_light, offset));
+    }
+    return irradiance_on(from_light, seen_normal(fragment), fragment.position_world);
 }
 
 fn irradiance_on(from_light: Light, n: vec3f, point_world: vec3f) -> vec3f {

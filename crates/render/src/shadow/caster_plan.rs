@@ -14,13 +14,13 @@ use super::plan::{Draw, MOST_OVERLAPS, Plan, Source};
 use super::report::{CasterReport, Fate, Why};
 
 /// One caster that is to be drawn.
-pub(super) struct CasterPlanner<'a> {
-    pub(super) caster: &'a Caster,
-    pub(super) windings: &'a Windings,
-    pub(super) block: Block,
-    pub(super) culler: &'a Culler,
-    pub(super) chooser: &'a CaseChooser,
-    pub(super) rect: PixelRect,
+pub(crate) struct CasterPlanner<'a> {
+    pub(crate) caster: &'a Caster,
+    pub(crate) windings: &'a Windings,
+    pub(crate) block: Block,
+    pub(crate) culler: &'a Culler,
+    pub(crate) chooser: &'a CaseChooser,
+    pub(crate) rect: PixelRect,
 }
 
 /// What a caster draws: one volume, or more where one could overlap itself more often than can be counted.
@@ -81,6 +81,34 @@ impl CasterPlanner<'_> {
             split_chain(caster, &whole, light.position, MOST_OVERLAPS).into_iter().map(part).collect()
         };
         CasterOutline { parts, case, why, silhouette_edges, chain_triangles }
+    }
+
+    /// One volume over the whole silhouette, however often it overlaps itself; with its chain where caps are drawn. By z-fail where it can be seen
+    /// through, as caps are to be compared with depth then.
+    pub(crate) fn whole(
+        &self,
+        silhouettes: &Mutex<Silhouettes>,
+        light: &Light,
+        options: &ShadowOptions,
+    ) -> (ShadowVolume, Case, Why) {
+        let caster = self.caster;
+        let counting = self.counting(light.position);
+        let (mut case, mut why) = self.case(options);
+        if caster.role.is_see_through() && case == Case::Pass {
+            (case, why) = (Case::Fail, Why::Method);
+        }
+        let kind = match options.silhouettes {
+            SilhouetteSource::Cpu(kind) => Some(kind),
+            _ => None,
+        };
+        let mut silhouettes = silhouettes.lock().unwrap_or_else(PoisonError::into_inner);
+        let outline = silhouettes.find(caster, (&light.name, light.position), &counting, kind);
+        let volume = if case == Case::Pass {
+            ShadowVolume::of_sides(caster, outline.sides)
+        } else {
+            ShadowVolume::of_boundary(caster, &outline.chain(light.position, &counting), outline.sides)
+        };
+        (volume, case, why)
     }
 
     /// Adds what is drawn to `plan`, and tells of it.

@@ -47,6 +47,18 @@ impl Block {
         Self::FIRST_POSITION + self.position_count + i
     }
 
+    /// The vertex with an index of the block, as it is uploaded for `caster`, whose block it is.
+    pub(crate) fn vertex(self, i: u32, caster: &Caster) -> VolumeVertex {
+        let Some(i) = i.checked_sub(Self::FIRST_POSITION) else {
+            return AXES
+                .get(i as usize)
+                .map_or_else(|| middle(&caster.bounds), |axis| axis.as_vec3().extend(2.0).to_array());
+        };
+        let is_far = i >= self.position_count;
+        let position = caster.positions[(if is_far { i - self.position_count } else { i }) as usize];
+        position.extend(f32::from(u8::from(is_far))).to_array()
+    }
+
     fn vertex_count(self) -> u32 {
         self.far(self.position_count)
     }
@@ -207,6 +219,6 @@ pub(super) fn add_block(vertices: &mut Vec<VolumeVertex>, bounds: &Bounds, posit
     block
 }
 
-fn middle(bounds: &Bounds) -> VolumeVertex {
+pub(crate) fn middle(bounds: &Bounds) -> VolumeVertex {
     bounds.center().as_vec3().extend(1.0).to_array()
 }

@@ -122,7 +122,7 @@ pub(super) const FAN_RADII: f64 = 1.2;
 ///
 /// Source: McGuire et al. 2003, section 6. He starts the fan at a vertex and must cut triangles that span more than 180 degrees; about the axis
 /// through the middle of the caster none does. Where the light is too near for that, the chain itself is projected.
-fn add_dark_cap(
+pub(crate) fn add_dark_cap(
     triangles: &mut Vec<[u32; 3]>,
     caster: &Caster,
     block: Block,

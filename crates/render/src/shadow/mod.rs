@@ -14,16 +14,16 @@
 //!
 //! Source: M. McGuire et al., "Fast, practical and robust shadows", 2003.
 
-mod caster_plan;
-mod casters;
-mod emit;
+pub(crate) mod caster_plan;
+pub(crate) mod casters;
+pub(crate) mod emit;
 pub(crate) mod found;
 mod options;
 mod pipelines;
-mod plan;
+pub(crate) mod plan;
 mod report;
-mod smooth_plan;
-mod spheres;
+pub(crate) mod smooth_plan;
+pub(crate) mod spheres;
 mod tally;
 
 use umbrae_core::{Camera, Caster, Light, PixelRect, Sphere};
@@ -71,9 +71,9 @@ struct OwnedTarget {
 /// What a camera sees of some casters: for all lights of a frame.
 #[derive(Debug)]
 pub struct ShadowView {
-    seen: Seen,
+    pub(crate) seen: Seen,
     uniform: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    pub(crate) group: wgpu::BindGroup,
 }
 
 impl ShadowView {

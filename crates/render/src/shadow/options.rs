@@ -108,6 +108,9 @@ pub struct ShadowOptions {
     pub caster_scissor: bool,
     /// See [`LightMark`].
     pub light_mark: LightMark,
+    /// Pictures have soft shadows of lights with a size ([`umbrae_core::Extent`]); else, and in masks, these are points and directions too.
+    /// Silhouettes of such lights are found on the CPU, from the casters' positions there.
+    pub soft: bool,
 }
 
 impl Default for ShadowOptions {
@@ -123,6 +126,7 @@ impl Default for ShadowOptions {
             light_scissor: true,
             caster_scissor: true,
             light_mark: LightMark::default(),
+            soft: false,
         }
     }
 }
@@ -147,6 +151,7 @@ impl ShadowOptions {
             light_scissor: false,
             caster_scissor: false,
             light_mark: LightMark::Off,
+            soft: false,
         }
     }
 
@@ -164,7 +169,12 @@ impl ShadowOptions {
             ("selecting light mark", Self { light_mark: LightMark::Select, ..self }),
             (
                 "nothing is left out",
-                Self { silhouettes: self.silhouettes, smooth: self.smooth, ..Self::without_culling(self.method) },
+                Self {
+                    silhouettes: self.silhouettes,
+                    smooth: self.smooth,
+                    soft: self.soft,
+                    ..Self::without_culling(self.method)
+                },
             ),
         ]
         .into_iter()

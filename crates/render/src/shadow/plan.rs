@@ -31,11 +31,11 @@ pub(super) const MOST_OVERLAPS: u32 = 127;
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) camera: Camera,
-    pub(super) bounds: Bounds,
+    pub(crate) bounds: Bounds,
     /// Of all casters; found when first asked for.
     windings: OnceLock<Vec<Windings>>,
     /// As the shaders see them.
-    pub(super) spheres: Vec<Sphere>,
+    pub(crate) spheres: Vec<Sphere>,
 }
 
 impl Seen {
@@ -55,7 +55,7 @@ impl Seen {
     }
 
     /// Of `casters`, which must be those that this was made for.
-    fn windings(&self, casters: &[Caster]) -> &[Windings] {
+    pub(crate) fn windings(&self, casters: &[Caster]) -> &[Windings] {
         let of = |caster| Windings::of_near_rectangle(caster, &self.camera);
         self.windings.get_or_init(|| casters.iter().map(of).collect())
     }
@@ -289,7 +289,7 @@ impl Plan {
     }
 }
 
-fn unseen_light(caster: &Caster) -> Fate {
+pub(crate) fn unseen_light(caster: &Caster) -> Fate {
     if caster.role.casts { Fate::LightUnseen } else { Fate::NotCasting }
 }
 
@@ -306,7 +306,7 @@ pub(super) fn casting_rect(
 }
 
 /// The pixels into which the volume of what casts within `bounds` must be drawn, or why it need not be.
-pub(super) fn rect_by_culling(
+pub(crate) fn rect_by_culling(
     bounds: &Bounds,
     culler: &Culler,
     options: &ShadowOptions,
@@ -325,7 +325,7 @@ pub(super) fn rect_by_culling(
 }
 
 /// As [`super::casters::VolumeVertex`] has it.
-pub(super) fn volume_vertex(homogeneous: glam::DVec4) -> VolumeVertex {
+pub(crate) fn volume_vertex(homogeneous: glam::DVec4) -> VolumeVertex {
     let kind = if homogeneous.w == 0.0 { 2.0 } else { 0.0 };
     homogeneous.truncate().as_vec3().extend(kind).to_array()
 }

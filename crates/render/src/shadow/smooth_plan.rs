@@ -13,6 +13,20 @@ use super::options::{Method, ShadowOptions};
 use super::plan::{Draw, MOST_OVERLAPS, Plan, Source, rect_by_culling};
 use super::report::{CasterReport, Fate, Why};
 
+/// The volume of `body`, which is that of `caster`, as seen from where its `windings` are told of; `None` if eye or light are inside of it: then only its
+/// triangles are sure to be right.
+pub(crate) fn smooth_volume(
+    caster: &Caster,
+    body: &SmoothBody,
+    windings: &Windings,
+    light: LightPosition,
+    smoothness: &Smoothness,
+) -> Option<SmoothVolume> {
+    let counting = Counting::choose(caster, windings, &Windings::of_light(caster, light));
+    let is_outside = counting.iter().all(|&counting| counting == Counting::Facing);
+    is_outside.then(|| SmoothVolume::new(body, light, smoothness))
+}
+
 /// One smooth caster that may be drawn.
 pub(super) struct SmoothPlanner<'a> {
     pub(super) caster: &'a Caster,
@@ -35,8 +49,8 @@ pub(super) struct SmoothOutline {
 }
 
 impl SmoothPlanner<'_> {
-    /// Finds the smooth silhouette and all that takes time. `None` where only the caster's triangles are sure to be right: if eye or light are
-    /// inside of it, or its volume may overlap itself more often than the stencil counts.
+    /// Finds the smooth silhouette and all that takes time. `None` where only the caster's triangles are sure to be right: see
+    /// [`smooth_volume`], and where its volume may overlap itself more often than the stencil counts.
     pub(super) fn outline(
         &self,
         light: LightPosition,
@@ -48,13 +62,8 @@ impl SmoothPlanner<'_> {
             return Err(Fate::NotCasting);
         }
         // Before its silhouette is known, a curve may bulge by as much as it is long.
-        let loose = self.body.loose_bounds();
-        rect_by_culling(&loose, self.culler, options, self.light_rect)?;
-        let counting = Counting::choose(caster, self.windings, &Windings::of_light(caster, light));
-        if counting.iter().any(|&counting| counting != Counting::Facing) {
-            return Ok(None);
-        }
-        let volume = SmoothVolume::new(self.body, light, smoothness);
+        rect_by_culling(&self.body.loose_bounds(), self.culler, options, self.light_rect)?;
+        let Some(volume) = smooth_volume(caster, self.body, self.windings, light, smoothness) else { return Ok(None) };
         if volume.most_overlaps(self.body, caster, light) > MOST_OVERLAPS {
             return Ok(None);
         }

@@ -15,7 +15,7 @@ use super::plan::{Draw, Plan, Seen, Source, rect_by_culling, volume_vertex};
 use super::report::{CasterReport, Fate, Why};
 
 /// How much wider than a sphere's shadow its polygon's may be, in pixels: the coarsest grid to which Vulkan lets devices snap vertices.
-const ERROR_PX: f64 = 1.0 / 16.0;
+pub(crate) const ERROR_PX: f64 = 1.0 / 16.0;
 
 /// The sphere that the shaders see.
 pub(super) fn rounded_to_f32(sphere: &Sphere) -> Sphere {
@@ -23,7 +23,7 @@ pub(super) fn rounded_to_f32(sphere: &Sphere) -> Sphere {
 }
 
 /// Whether a sphere is around the light but not around the eye: then nothing that is seen is lit.
-pub(super) fn is_shut_in(light: LightPosition, spheres: &[Sphere], camera: &Camera) -> bool {
+pub(crate) fn is_shut_in(light: LightPosition, spheres: &[Sphere], camera: &Camera) -> bool {
     spheres.iter().any(|sphere| sphere.volume(light, 3).is_none() && !holds_eye(sphere, camera))
 }
 

@@ -1,7 +1,10 @@
 //! What casts shadows, made ready to be asked for many receivers and suns.
 
+mod cone;
+mod disc;
 mod lanes;
 mod quads;
+mod remainder;
 mod shaft;
 mod tree;
 

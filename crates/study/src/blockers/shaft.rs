@@ -18,22 +18,22 @@ use super::tree::{LEAF, Leaf, Tree};
 use crate::PACKET;
 
 /// Receivers of a packet are tested in so many groups.
-const GROUPS: usize = PACKET / LANES;
+pub(super) const GROUPS: usize = PACKET / LANES;
 
 /// What rounding may move a corner in light space, in parts of its distance: three differences and products with unit vectors, each rounded to 2^-24.
-const ROUNDING: f32 = 1e-6;
+pub(super) const ROUNDING: f32 = 1e-6;
 
 /// A packet's receivers.
 #[derive(Debug, Clone)]
 pub(super) struct Cell {
     /// About which everything is measured; `f32` like the corners of faces, so that differences are rounded once.
     pub(super) middle: [f32; 3],
-    groups: [Points; GROUPS],
+    pub(super) groups: [Points; GROUPS],
     /// The boxes of the groups.
-    middles: Points,
-    halves: Points,
+    pub(super) middles: Points,
+    pub(super) halves: Points,
     /// The farthest receiver from the middle, along an axis.
-    reach: f32,
+    pub(super) reach: f32,
     /// Unit normals, unless all are open to all sides, and which lanes have one.
     normals: Option<(Box<[Points; GROUPS]>, u64)>,
     /// Which lanes are receivers.
@@ -83,10 +83,16 @@ impl Cell {
     /// The lanes whose normals are not zero and not on the side of `to_sun`.
     #[inline(always)]
     fn turned_away<L: Lanes>(&self, to_sun: [f32; 3]) -> u64 {
+        self.turned_from::<L>(to_sun, 0.0)
+    }
+
+    /// The lanes whose normals are not zero and have no more than `most` along `to_sun`.
+    #[inline(always)]
+    pub(super) fn turned_from<L: Lanes>(&self, to_sun: [f32; 3], most: f32) -> u64 {
         let Some((normals, has_normal)) = &self.normals else { return 0 };
         let mut faces = 0;
         for (g, normals) in normals.iter().enumerate() {
-            faces |= u64::from(dot(&normals.load::<L>(), to_sun).greater(L::splat(0.0))) << (g * LANES);
+            faces |= u64::from(dot(&normals.load::<L>(), to_sun).greater(L::splat(most))) << (g * LANES);
         }
         has_normal & !faces
     }
@@ -95,15 +101,15 @@ impl Cell {
 /// The axes of light space: two across the rays, one towards the sun; orthonormal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSpace {
-    across: Axis,
-    up: Axis,
-    to_sun: Axis,
+    pub(super) across: Axis,
+    pub(super) up: Axis,
+    pub(super) to_sun: Axis,
 }
 
 /// A unit vector, and it without signs.
 #[derive(Debug, Clone, Copy)]
-struct Axis {
-    of: [f32; 3],
+pub(super) struct Axis {
+    pub(super) of: [f32; 3],
     abs: [f32; 3],
 }
 
@@ -118,21 +124,21 @@ impl LightSpace {
 
 /// How far boxes reach along `axis`: from, to.
 #[inline(always)]
-fn span<L: Lanes>(middles: &[L; 3], halves: &[L; 3], axis: &Axis) -> [L; 2] {
+pub(super) fn span<L: Lanes>(middles: &[L; 3], halves: &[L; 3], axis: &Axis) -> [L; 2] {
     let (middle, half) = (dot(middles, axis.of), dot(halves, axis.abs));
     [middle.sub(half), middle.add(half)]
 }
 
 /// Corner by corner, how far along `axis`.
 #[inline(always)]
-fn along<L: Lanes>(corners: &[[L; 3]; 4], axis: &Axis) -> [L; 4] {
+pub(super) fn along<L: Lanes>(corners: &[[L; 3]; 4], axis: &Axis) -> [L; 4] {
     let [a, b, c, d] = corners;
     [dot(a, axis.of), dot(b, axis.of), dot(c, axis.of), dot(d, axis.of)]
 }
 
 /// The least and the greatest of four, lane by lane.
 #[inline(always)]
-fn range<L: Lanes>(of: &[L; 4]) -> [L; 2] {
+pub(super) fn range<L: Lanes>(of: &[L; 4]) -> [L; 2] {
     [of[0].min(of[1]).min(of[2].min(of[3])), of[0].max(of[1]).max(of[2].max(of[3]))]
 }
 
@@ -399,19 +405,26 @@ impl<'a, L: Lanes> Walk<'a, L> {
 }
 
 /// The shadow volumes of a leaf's faces: how far a point is inside of each of their planes, in metres or somewhat less.
-struct Faces {
+pub(super) struct Faces {
     /// Times u, times v, plus.
-    edges: [[Eight; 3]; 4],
+    pub(super) edges: [[Eight; 3]; 4],
     /// The distance behind the face, seen from the sun: times the position, plus.
-    below: [Eight; 3],
-    below_offset: Eight,
-    margin: Eight,
+    pub(super) below: [Eight; 3],
+    pub(super) below_offset: Eight,
+    pub(super) margin: Eight,
 }
 
 impl Faces {
     /// Of corners at `u` and `v` across the rays, the first of them at `corner`; `facing` is positive where the normal is on the sun's side.
     #[inline(always)]
-    fn new<L: Lanes>(u: &[L; 4], v: &[L; 4], corner: &[L; 3], normals: &[L; 3], facing: L, margin: L) -> Self {
+    pub(super) fn new<L: Lanes>(
+        u: &[L; 4],
+        v: &[L; 4],
+        corner: &[L; 3],
+        normals: &[L; 3],
+        facing: L,
+        margin: L,
+    ) -> Self {
         let zero = L::splat(0.0);
         // Seen from the sun the corners go round counter-clockwise where the normal faces it.
         let side = facing.select_greater(zero, L::splat(1.0), L::splat(-1.0));

@@ -48,6 +48,18 @@ fn of_two(rule: OverlayRule, a: &Outline, b: &Outline) -> Outline {
     operate(Grid::reaching(a.rings().chain(b.rings()).flatten()), rule, a.rings(), b.rings())
 }
 
+/// The rings around what any of `rings`, all counter-clockwise, has inside: counter-clockwise around it, clockwise around its holes. Slivers and all, on a grid of
+/// at most 2^-50 of what is farthest from the origin.
+pub(crate) fn united(rings: &[Vec<DVec2>]) -> Vec<Vec<DVec2>> {
+    let grid = Grid::finest(rings.iter().flatten());
+    let mut overlay = Overlay::<i64>::new_custom(0, IntOverlayOptions::default(), Solver::AUTO);
+    for ring in rings {
+        overlay.add_path_iter(ring.iter().map(|&p| grid.snap(p)), ShapeType::Subject);
+    }
+    let shapes = overlay.overlay(OverlayRule::Subject, FillRule::NonZero);
+    shapes.iter().flatten().map(|ring| ring.iter().map(|&p| grid.place(p)).collect()).collect()
+}
+
 /// See [`Outline::on_grid`].
 pub(super) fn on_grid(outline: &Outline, grid_m: f64) -> Outline {
     assert!(grid_m > 0.0 && grid_m.is_finite(), "a grid of {grid_m} m is none");
@@ -103,12 +115,17 @@ struct Grid {
 }
 
 impl Grid {
-    /// The finest that reaches to all `points`.
+    /// The finest that reaches to all `points`, and is not finer than outlines need.
     fn reaching<'a>(points: impl Iterator<Item = &'a DVec2>) -> Self {
+        Self { exponent: Self::finest(points).exponent.max(FINEST_EXPONENT) }
+    }
+
+    /// The finest that reaches to all `points`.
+    fn finest<'a>(points: impl Iterator<Item = &'a DVec2>) -> Self {
         let reach_m = points.fold(0.0_f64, |reach, p| reach.max(p.abs().max_element()));
         // One bit is the sign's, and one is left for the rounding of the logarithm.
         let coarse = if reach_m > 0.0 { reach_m.log2().ceil() as i32 - (GRID_BITS - 2) } else { FINEST_EXPONENT };
-        Self { exponent: coarse.max(FINEST_EXPONENT) }
+        Self { exponent: coarse }
     }
 
     fn snap(self, p: DVec2) -> IntPoint<i64> {

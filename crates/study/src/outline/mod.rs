@@ -17,6 +17,7 @@ mod tests;
 
 use glam::DVec2;
 
+pub(crate) use boolean::united;
 pub use project::Projection;
 
 /// A region of a level plane: polygons that do not overlap and touch in single points at most.

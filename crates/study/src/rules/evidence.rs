@@ -4,7 +4,7 @@ use jiff::civil::Date;
 use serde::Serialize;
 
 use super::ReceiverKind;
-use crate::{Interval, SunHours};
+use crate::SunHours;
 
 /// A number, and between what numbers it may be.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -47,13 +47,13 @@ pub struct CountedSun {
 }
 
 impl CountedSun {
-    /// Of `hours`, the pieces of `least_span_s` seconds or more.
+    /// Of `hours`, the pieces that are worth `least_span_s` seconds of the sun or more. Where the sun is a disc, a piece goes on while any of it is seen.
     ///
     /// Which end of which piece is wrong is not known, so each piece may be wrong by all of [`SunHours::error_bound_s`]; a piece that may be too short is in
     /// the upper bounds only, one that may be long enough as well.
     pub fn of(hours: &SunHours, least_span_s: f64) -> Self {
         let error_s = hours.error_bound_s;
-        let spans = || hours.intervals.iter().map(Interval::duration_s);
+        let spans = || hours.intervals.iter().map(|interval| interval.sun_s);
         let total = |least: f64| spans().filter(|&s| s >= least).sum::<f64>();
         let longest = |least: f64| spans().filter(|&s| s >= least).fold(0.0, f64::max);
         // With no least length, what was seen is sure to count.

@@ -271,7 +271,7 @@ fn pieces(minutes: &[i64], error_bound_s: f64) -> SunHours {
     let mut interval = |&minutes: &i64| {
         let start = at;
         at += SignedDuration::from_mins(minutes);
-        let interval = Interval { start, end: at };
+        let interval = Interval::new(start, at);
         at += SignedDuration::from_hours(1);
         interval
     };

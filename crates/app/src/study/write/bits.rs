@@ -11,7 +11,13 @@
 //! inside         uint8    (receivers)      1 inside of solids, where the bits are zeros
 //! ```
 //!
-//! In Python, the hours between two moments:
+//! With `--sun-disc` there is `fractions.npz` too, with the same arrays but for the first:
+//!
+//! ```text
+//! fractions      uint8    (receivers, steps)   how much of the sun's disc is seen, in 255ths: 0 is nothing and 255 all of it, else off by 1/255 at most
+//! ```
+//!
+//! and `bits.npz` has the verdicts of the disc's middle. In Python, the hours between two moments:
 //!
 //! ```text
 //! z = numpy.load("bits.npz")
@@ -32,6 +38,21 @@ use crate::study::folder::Folder;
 use crate::study::results::{Results, State};
 use crate::study::rows::for_each_row;
 
+/// Writes the shares of the sun's disc in `state`, if it is one: `fractions.npz`, with `fractions` in place of `bits`, a byte for each receiver and step.
+pub(super) fn write_fractions(results: &Results, state: &State, folder: &mut Folder) -> anyhow::Result<()> {
+    let Some(fractions) = &state.fractions else { return Ok(()) };
+    folder.write(&state.file_name("fractions", "npz"), |file| {
+        let mut archive = ZipWriter::new(file);
+        let (count, steps) = (results.receivers.len(), results.suns.len());
+        let mut bytes = begin::<u8>(&mut archive, "fractions", &[count as u64, steps as u64])?;
+        for_each_row(fractions, count, steps, |_, row| Ok(bytes.extend(row.iter().copied())?))?;
+        bytes.finish()?;
+        write_rest(results, state, &mut archive)?;
+        archive.finish()?.flush()?;
+        Ok(())
+    })
+}
+
 type Archive<'a> = ZipWriter<&'a mut BufWriter<File>>;
 
 /// Writes the verdicts of `state`.
@@ -42,23 +63,27 @@ pub(super) fn write(results: &Results, state: &State, folder: &mut Folder) -> an
         let mut bits = begin::<u8>(&mut archive, "bits", &[count as u64, stride as u64])?;
         for_each_row(&state.rows, count, stride, |_, row| Ok(bits.extend(row.iter().copied())?))?;
         bits.finish()?;
-
-        let steps = &results.timetable.steps;
-        column(&mut archive, "steps_utc_s", steps.iter().map(|step| step.start.as_second()))?;
-        column(&mut archive, "durations_s", steps.iter().map(Step::duration_s))?;
-        column(&mut archive, "utc_offset_s", steps.iter().map(|step| step.utc_offset_s))?;
-        column(&mut archive, "azimuth_deg", steps.iter().map(|step| step.sun.azimuth_rad.to_degrees()))?;
-        column(&mut archive, "altitude_deg", steps.iter().map(|step| step.sun.altitude_rad.to_degrees()))?;
-
-        let mut positions = begin::<f64>(&mut archive, "positions", &[count as u64, 3])?;
-        for &position in &results.receivers.positions {
-            positions.extend(results.frame.to_model(position).to_array())?;
-        }
-        positions.finish()?;
-        column(&mut archive, "inside", state.is_inside.iter().map(|&inside| u8::from(inside)))?;
+        write_rest(results, state, &mut archive)?;
         archive.finish()?.flush()?;
         Ok(())
     })
+}
+
+/// When, where the sun is, and where receivers are.
+fn write_rest(results: &Results, state: &State, archive: &mut Archive<'_>) -> anyhow::Result<()> {
+    let steps = &results.timetable.steps;
+    column(archive, "steps_utc_s", steps.iter().map(|step| step.start.as_second()))?;
+    column(archive, "durations_s", steps.iter().map(Step::duration_s))?;
+    column(archive, "utc_offset_s", steps.iter().map(|step| step.utc_offset_s))?;
+    column(archive, "azimuth_deg", steps.iter().map(|step| step.sun.azimuth_rad.to_degrees()))?;
+    column(archive, "altitude_deg", steps.iter().map(|step| step.sun.altitude_rad.to_degrees()))?;
+
+    let mut positions = begin::<f64>(archive, "positions", &[results.receivers.len() as u64, 3])?;
+    for &position in &results.receivers.positions {
+        positions.extend(results.frame.to_model(position).to_array())?;
+    }
+    positions.finish()?;
+    column(archive, "inside", state.is_inside.iter().map(|&inside| u8::from(inside)))
 }
 
 fn column<T: AutoSerialize>(

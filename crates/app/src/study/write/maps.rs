@@ -331,11 +331,12 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
     let step_s = results.timetable.steps.first().map_or(0.0, umbrae_study::Step::duration_s);
     let mut notes = Vec::new();
     if let Some((grid, _)) = results.ground() {
-        notes.push(format!(
-            "Grid: a point every {} m, each in the sun or in shadow every {} min.",
-            grid.spacing,
-            step_s / 60.0
-        ));
+        let what = if results.disc.is_some() {
+            "each with its share of the sun's disc"
+        } else {
+            "each in the sun or in shadow"
+        };
+        notes.push(format!("Grid: a point every {} m, {what} every {} min.", grid.spacing, step_s / 60.0));
     }
     notes.push(format!(
         "Error bound of the hours: {} on average, {} at the worst point, if no sun or shade shorter than {} was missed.",
@@ -346,8 +347,12 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
     if let Some(check) = results.check {
         let (verdicts, differ) = (grouped(check.verdicts), grouped(check.disagreements));
         notes.push(format!("Check by rays in double precision: {differ} of {verdicts} verdicts differ."));
+        if let Some(disc) = check.disc {
+            let (shares, differ) = (grouped(disc.shares), grouped(disc.disagreements));
+            notes.push(format!("Of the sun's disc, {differ} of {shares} shares differ from those of rays."));
+        }
     }
-    notes.push(format!("Sun: {}. Clear sky.", results.site.sun));
+    notes.push(format!("Sun: {}. Clear sky.", results.sun_text()));
     notes.push(format!("umbrae {}", env!("CARGO_PKG_VERSION")));
     notes
 }

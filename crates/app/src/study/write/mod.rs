@@ -51,6 +51,7 @@ pub(super) fn write_all(
     for state in &results.states {
         geotiff::write_hours(results, state, folder)?;
         bits::write(results, state, folder)?;
+        bits::write_fractions(results, state, folder)?;
     }
     geotiff::write_difference(results, folder)?;
     receivers_csv::write(results, folder)?;

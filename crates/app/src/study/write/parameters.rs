@@ -22,7 +22,7 @@ pub(super) fn parameters(results: &Results) -> Vec<(&'static str, String)> {
         ("STEPS", steps.len().to_string()),
         ("STEPS_WITH_SUN_UP", results.day_steps().to_string()),
         ("HOURS_POSSIBLE", format!("{:.4}", results.possible_hours())),
-        ("SUN", site.sun.to_owned()),
+        ("SUN", results.sun_text()),
         ("TRUE_NORTH_DEG_CLOCKWISE_FROM_Y", format!("{:.4}", site.north_deg)),
         ("SKY", "clear: where the sun would reach without clouds".to_owned()),
         ("ERROR_BOUND_SECONDS_LARGEST", format!("{largest_error_s:.1}")),

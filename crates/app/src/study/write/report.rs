@@ -16,6 +16,15 @@ use crate::study::results::{Results, State, duration_text};
 use crate::study::site::{days_text, hours_text, offset_text, offsets, on_clock};
 
 const TEMPLATE: &str = include_str!("report.html");
+/// The sun as a point, in the report.
+const POINT: &str = "The sun is taken as a point in the middle of its disc; the half-shadow \
+                     at edges, which is a hundredth of the distance wide, is not shown.</p>\n";
+/// The sun as a disc, in the report.
+const DISC: &str = "It is taken as a disc of 0.533 degrees, equally bright all over, about that place. Of it, what is below a level horizon, behind the receiver's own surface or behind \
+                    any triangle is hidden, each part once; the rest is what a step counts for, by exact geometry. So the sun counts from when its upper edge rises until it has set, by \
+                    less than all at first and at last; where a least altitude is asked for, all of it counts from when its middle is there. Verdicts by rules are of these hours: a span of sun \
+                    goes on while any of the disc is seen, and is as long as the sun that it is worth. First and last sun are those of any part of the disc. \
+                    Outlines of shadows, the moving plan, undecided steps and <code>bits.npz</code> are of the disc's middle; <code>fractions.npz</code> has the shares.</p>\n";
 /// A page has no room for more; all are in a table of their own.
 const MOST_OBJECTS: usize = 60;
 /// Rows of the sun's table.
@@ -36,7 +45,7 @@ pub(super) fn write(results: &Results, shown: &Shown, folder: &mut Folder) -> an
         ("area", area(results)),
         ("objects", objects(results)),
         ("facts", facts(results)),
-        ("sun", escaped(results.site.sun)),
+        ("sun", escaped(&results.sun_text())),
         ("suns", suns(results)),
         ("method", method(results)),
         ("warnings", warnings(results)),
@@ -380,15 +389,22 @@ fn method(results: &Results) -> String {
     let undecided: u64 = sums().map(|sum| u64::from(sum.undecided)).sum();
     let verdicts = results.day_steps() as u64 * sums().count() as u64;
     let margin_mm = results.margin_m * 1000.0;
-    let how = if results.refinement.is_some() {
+    let how = if results.disc.is_some() {
+        "Between two of its looks at the sun the share of the disc is taken to be between theirs: that leaves half the time between them, times by how much they differ."
+    } else if results.refinement.is_some() {
         "The sun was also looked for every minute, and where it turns to shadow or back between two minutes, the moment was found to a quarter of a second by rays."
     } else {
         "Where sun turns to shadow or back between two steps, the moment is known to half a step either way."
     };
+    let sums = if results.disc.is_some() {
+        "Hours are sums of steps, each times the share of the sun's disc that is seen in its middle (see below)."
+    } else {
+        "Hours are sums of steps."
+    };
     let mut html = format!(
         "<p>For every receiver and every step it was decided whether anything of the models stands between it and the middle of the sun: \
          {} verdicts, each by the exact geometry of the triangles, not by pixels of a shadow map. A verdict holds for the whole step. \
-         Hours are sums of steps.</p>\n\
+         {sums}</p>\n\
          <p><b>Error bound.</b> {how} Summed over all such changes, the hours \
          of no point are off by more than {} ({} on average), provided that no sun or shade shorter than {} was missed. \
          What the models themselves have wrong, and what they lack (trees, balconies, new neighbours), is not in this bound.</p>\n\
@@ -411,8 +427,19 @@ fn method(results: &Results) -> String {
             grouped(check.undecided),
         );
     }
-    html += "<p><b>The sun</b> is where NREL's solar position algorithm has it, to 0.0003 degrees. The sun is taken as a point in the middle of its disc; the half-shadow \
-             at edges, which is a hundredth of the distance wide, is not shown.</p>\n";
+    if let Some(disc) = results.check.and_then(|check| check.disc) {
+        let _ = writeln!(
+            html,
+            "<p><b>Check of the disc.</b> {} shares, {} of them neither nothing nor all, were estimated by 256 rays each to places all over the disc, and those that seemed to differ by 4,096: \
+             <b>{}</b> differ by more than chance explains, and all together by {:+.4} of the disc on average.</p>",
+            grouped(disc.shares),
+            grouped(disc.partial),
+            grouped(disc.disagreements),
+            disc.mean_difference(),
+        );
+    }
+    html += "<p><b>The sun</b> is where NREL's solar position algorithm has it, to 0.0003 degrees. ";
+    html += if results.disc.is_some() { DISC } else { POINT };
     html
 }
 
@@ -435,6 +462,9 @@ fn content(name: &str) -> &'static str {
         (_, "tif") => "Hours of sun: a grid of 32-bit floats for GIS, with all parameters in its tags",
         ("receivers", "csv") => "Each receiver with its hours, first and last sun, in the models' coordinates",
         ("objects", "csv") => "Hours of sun of each object's roofs, and of its walls by the side that they face",
+        (stem, "npz") if stem.starts_with("fractions") => {
+            "The share of the sun's disc that is seen, for each receiver and step, in 255ths, for numpy"
+        }
         (_, "npz") => "Every verdict as a bit, for numpy: hours of any window can be summed again",
         (_, "geojson") => "The exact outlines of shadows on the level of the ground, for each step and object",
         ("run", "json") => "What was done with what, and how long it took",

@@ -150,6 +150,9 @@ fn reach(bounds: &Bounds) -> [DVec2; 2] {
 fn write_head(results: &Results, level: f64, file: &mut BufWriter<File>) -> anyhow::Result<()> {
     let mut about: serde_json::Map<String, Value> =
         parameters(results).into_iter().map(|(name, value)| (name.to_ascii_lowercase(), value.into())).collect();
+    if results.disc.is_some() {
+        about.insert("outlines_of".to_owned(), "the middle of the sun's disc; hours are of its visible share".into());
+    }
     about.insert("ground_level_m".to_owned(), json!(level + results.frame.origin.z));
     let coordinates = if results.frame.crs.is_some() {
         "longitude and latitude, WGS 84"

@@ -430,8 +430,8 @@ impl FoundLight {
 
 /// As shaders see it, without its name, so that nothing is allocated.
 fn rounded_to_f32(light: &Light) -> Light {
-    let &Light { position, strength, cone, range_m, .. } = light;
-    Light { name: String::new(), position, strength, cone, range_m }.rounded_to_f32()
+    let &Light { position, strength, cone, range_m, extent, .. } = light;
+    Light { name: String::new(), position, strength, cone, range_m, extent }.rounded_to_f32()
 }
 
 impl ShadowLight {

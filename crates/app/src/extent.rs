@@ -1,0 +1,125 @@
+//! How large lights are, for soft shadows: the sun as it is seen, lamps as the user says.
+
+use std::f64::consts::FRAC_PI_2;
+
+use anyhow::ensure;
+use glam::DVec3;
+use umbrae_core::{Bounds, Cone, Extent, Light, SUN_DIAMETER_RAD};
+
+use crate::lights::LampChoice;
+
+/// What a lamp is to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ExtentChoice {
+    /// A ball of this radius.
+    Radius(f64),
+    /// A rectangle, so wide and so high.
+    Size([f64; 2]),
+}
+
+/// Within this angle from where it faces a rectangle that was a point all around gives its full strength; from there it fades to nothing in its plane.
+const FULL_STRENGTH_RAD: f64 = 60.0 / 180.0 * std::f64::consts::PI;
+
+/// `lights` with their sizes: of each lamp its own, else that of `all`; with `sun_disc`, of each directional light the sun's. `lamps` are those that `lights`
+/// were made of, or none if they are the model's own.
+///
+/// A rectangle faces the middle of `model`; that of a spot, where the spot does.
+///
+/// # Errors
+///
+/// When a lamp would be so large that it holds the model's middle.
+pub fn with_extents(
+    lights: Vec<Light>,
+    lamps: &[LampChoice],
+    all: Option<ExtentChoice>,
+    sun_disc: bool,
+    model: &Bounds,
+) -> anyhow::Result<Vec<Light>> {
+    let own = |i: usize| lamps.get(i).and_then(|lamp| lamp.extent);
+    let with_extent = |(i, light): (usize, Light)| {
+        if light.position.is_directional() {
+            let extent = Extent::Disc { radius_rad: 0.5 * SUN_DIAMETER_RAD };
+            return Ok(if sun_disc { Light { extent, ..light }.rounded_to_f32() } else { light });
+        }
+        own(i).or(all).map_or(Ok(light.clone()), |choice| lamp_with_extent(light, choice, model))
+    };
+    lights.into_iter().enumerate().map(with_extent).collect()
+}
+
+fn lamp_with_extent(light: Light, choice: ExtentChoice, model: &Bounds) -> anyhow::Result<Light> {
+    let to_middle = model.center() - light.position.homogeneous().truncate();
+    let distance_m = to_middle.length();
+    let fits = |what: &str, radius_m: f64| {
+        ensure!(
+            radius_m < distance_m,
+            "a {what} is too large for `{}`: the model's middle, {distance_m:.3} m away, would be in it; give less",
+            light.name
+        );
+        Ok(())
+    };
+    let light = match choice {
+        ExtentChoice::Radius(radius_m) => {
+            fits(&format!("ball of {radius_m} m"), radius_m)?;
+            Light { extent: Extent::Sphere { radius_m }, ..light }
+        }
+        ExtentChoice::Size([width, height]) => {
+            fits(&format!("rectangle of {width} by {height} m"), 0.5 * width.hypot(height))?;
+            let facing = light.cone.map_or(to_middle, |cone| cone.axis).normalize_or_zero();
+            let level = DVec3::Z.cross(facing).try_normalize().unwrap_or(DVec3::X);
+            let (half_right, half_up) = (level * (0.5 * width), facing.cross(level) * (0.5 * height));
+            let around = Cone { axis: facing, inner_rad: FULL_STRENGTH_RAD, outer_rad: FRAC_PI_2 };
+            let cone = Some(light.cone.unwrap_or(around));
+            Light { extent: Extent::Rectangle { half_right, half_up }, cone, ..light }
+        }
+    };
+    Ok(light.rounded_to_f32())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use umbrae_core::LightPosition;
+
+    use super::*;
+
+    const MODEL: Bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+
+    fn lamp() -> Light {
+        Light::new("point 1", LightPosition::point(DVec3::new(0.0, -3.0, 4.0)), Vec3::ONE)
+    }
+
+    fn of(light: Light, choice: ExtentChoice) -> anyhow::Result<Light> {
+        Ok(with_extents(vec![light], &[], Some(choice), false, &MODEL)?.remove(0))
+    }
+
+    #[test]
+    fn a_rectangle_faces_the_model_with_its_width_level() {
+        let light = of(lamp(), ExtentChoice::Size([2.0, 1.0])).expect("it is small enough");
+        let Extent::Rectangle { half_right, half_up } = light.extent else { panic!("{:?}", light.extent) };
+        assert!(half_right.z.abs() < 1e-6 && (half_right.length() - 1.0).abs() < 1e-6, "{half_right}");
+        assert!((half_up.length() - 0.5).abs() < 1e-6 && half_right.dot(half_up).abs() < 1e-6, "{half_up}");
+        let front = half_right.cross(half_up).normalize_or_zero();
+        assert!(front.distance(DVec3::new(0.0, 0.6, -0.8)) < 1e-6, "{front}");
+        assert!(light.cone.is_some_and(|cone| cone.axis.distance(front) < 1e-6), "its back gives no light");
+    }
+
+    #[test]
+    fn a_spot_s_rectangle_faces_where_the_spot_does_and_keeps_its_cone() {
+        let cone = Some(Cone { axis: DVec3::NEG_Z, inner_rad: 0.1, outer_rad: 0.2 });
+        let light = of(Light { cone, ..lamp() }, ExtentChoice::Size([1.0, 1.0])).expect("it is small enough");
+        let Extent::Rectangle { half_right, half_up } = light.extent else { panic!("{:?}", light.extent) };
+        assert!(half_right.cross(half_up).normalize_or_zero().distance(DVec3::NEG_Z) < 1e-6);
+        assert!(light.cone.is_some_and(|cone| cone.outer_rad < 0.21));
+    }
+
+    #[test]
+    fn a_lamp_that_holds_the_model_s_middle_is_refused_and_the_sun_is_no_lamp() {
+        let error = of(lamp(), ExtentChoice::Radius(5.0)).expect_err("the middle is 5 m away").to_string();
+        assert!(error.contains("point 1") && error.contains("5.000 m"), "{error}");
+        assert!(of(lamp(), ExtentChoice::Size([8.0, 6.0])).is_err());
+        let sun = Light::new("sun", LightPosition::sun(1.0, 1.0), Vec3::ONE);
+        assert_eq!(of(sun.clone(), ExtentChoice::Radius(5.0)).expect("it has no radius").extent, Extent::Point);
+        let disc = with_extents(vec![sun], &[], None, true, &MODEL).expect("it has one").remove(0).extent;
+        assert!(matches!(disc, Extent::Disc { radius_rad } if (radius_rad.to_degrees() - 0.2665).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,174 @@
+//! Objects cut so that each part has smooth silhouettes as a whole, or none.
+//!
+//! A model may be a round body with an open cape on a square base. The cape has no outside, so it has no side to be turned to the light with,
+//! and the base has no curves. Each component that has both an outside and a curve is smooth; the others cast the exact shadows of their triangles.
+
+use std::sync::Arc;
+
+use glam::DAffine3;
+use rustc_hash::FxHashMap;
+
+use crate::{Caster, Mesh, Object, Scene, Topology};
+
+use super::normals::{corner_normals, is_flat};
+
+/// A part of a mesh, and for each of its vertices the one of the whole.
+struct Part {
+    mesh: Arc<Mesh>,
+    vertices: Vec<u32>,
+}
+
+impl Scene {
+    /// Splits objects in which some components have smooth silhouettes and others have not, so that [`super::SmoothBody::new`] takes the
+    /// ones and refuses the others. Returns how many objects were split.
+    ///
+    /// A component has one if it is closed, consistently wound with its outside out, and has a corner whose normal is not its triangle's, by the
+    /// normals that [`corner_normals`] finds for the mesh at rest from the file's and `crease_rad`. Parts keep the object's name, role, pose and place, the smooth one
+    /// first; instances of a mesh share its parts. Roles are to be assigned before ([`Scene::assign_roles`]), as they open what they cut. Linear in the
+    /// number of triangles.
+    pub fn split_smooth_parts(&mut self, crease_rad: f64) -> usize {
+        let objects = std::mem::take(&mut self.objects);
+        let whole = objects.len();
+        // Meshes are kept, so that no two have one address.
+        let mut parts_of_mesh: FxHashMap<*const Mesh, (Arc<Mesh>, Vec<Part>)> = FxHashMap::default();
+        for object in objects {
+            let (_, parts) = parts_of_mesh
+                .entry(Arc::as_ptr(&object.mesh))
+                .or_insert_with(|| (object.mesh.clone(), parts_of(&object.mesh, crease_rad)));
+            if parts.is_empty() {
+                self.objects.push(object);
+                continue;
+            }
+            for part in parts {
+                let pose = object.pose.as_ref().map(|pose| pose.of_vertices(&part.vertices));
+                self.objects.push(Object { mesh: part.mesh.clone(), pose, ..object.clone() });
+            }
+        }
+        self.objects.len() - whole
+    }
+}
+
+/// What is smooth and what is not, or nothing where that is the whole mesh.
+fn parts_of(mesh: &Arc<Mesh>, crease_rad: f64) -> Vec<Part> {
+    let topology = Arc::new(Topology::new(mesh));
+    let components = topology.components();
+    let caster = Caster::new(&Object::new("", mesh.clone(), DAffine3::IDENTITY), topology.clone());
+    let normals = corner_normals(&caster, mesh.corner_normals(), crease_rad);
+    let component_of = topology.component_of_triangle();
+    let (mut is_round, mut volumes_m3) = (vec![false; components.len()], vec![0.0; components.len()]);
+    let middle = caster.bounds.center();
+    for (t, normals) in normals.iter().enumerate() {
+        let component = component_of[t] as usize;
+        let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3() - middle);
+        volumes_m3[component] += a.dot(b.cross(c)) / 6.0;
+        is_round[component] |= !is_flat(&caster, t, normals);
+    }
+    let has_outside = |c: usize| components[c].is_closed && volumes_m3[c] > 0.0;
+    let is_smooth: Vec<bool> = (0..components.len()).map(|c| is_round[c] && has_outside(c)).collect();
+    if is_smooth.iter().all(|&smooth| smooth == is_smooth[0]) {
+        return Vec::new();
+    }
+    let part = |wanted: bool| {
+        let (mesh, vertices) = mesh.part(|t| is_smooth[component_of[t] as usize] == wanted);
+        Part { mesh: Arc::new(mesh), vertices }
+    };
+    vec![part(true), part(false)]
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3, Vec3Swizzles as _};
+
+    use super::*;
+    use crate::smooth::{NotSmooth, SmoothBody};
+    use crate::{Deformer, Influence, Pose, Surface, shapes};
+
+    const CREASE_RAD: f64 = 0.76;
+
+    fn together(surfaces: impl IntoIterator<Item = Surface>) -> Arc<Mesh> {
+        let mut all = Surface::default();
+        for (material, surface) in surfaces.into_iter().enumerate() {
+            let first = all.positions.len() as u32;
+            all.triangle_materials.extend(std::iter::repeat_n(material as u32, surface.triangles.len()));
+            all.positions.extend(surface.positions);
+            all.triangles.extend(surface.triangles.iter().map(|corners| corners.map(|v| first + v)));
+        }
+        Arc::new(Mesh::new(all).expect("good shapes"))
+    }
+
+    /// A box, a ball, a sheet and a ball turned inside out, far from each other.
+    fn mixed() -> Arc<Mesh> {
+        let mut turned = shapes::icosphere(Vec3::Y * 9.0, 1.0, 1);
+        turned.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+        together([
+            shapes::cuboid(Vec3::splat(4.0), Vec3::splat(5.0)),
+            shapes::icosphere(Vec3::ZERO, 1.0, 2),
+            shapes::sheet(Vec3::splat(-5.0), Vec3::X, Vec3::Y, [2, 3]),
+            turned,
+        ])
+    }
+
+    fn body_of(object: &Object) -> Result<SmoothBody, NotSmooth> {
+        let caster = Caster::new(object, Arc::new(Topology::new(&object.mesh)));
+        SmoothBody::new(&caster, &corner_normals(&caster, object.mesh.corner_normals(), CREASE_RAD))
+    }
+
+    #[test]
+    fn the_ball_is_smooth_and_what_is_flat_open_or_inside_out_is_not() {
+        let object = Object::new("still life", mixed(), DAffine3::IDENTITY);
+        assert_eq!(body_of(&object).err(), Some(NotSmooth::Open));
+        let mut scene = Scene { objects: vec![object.clone()], ..Scene::default() };
+        assert_eq!(scene.split_smooth_parts(CREASE_RAD), 1);
+        let [ball, rest] = scene.objects.as_slice() else { panic!("two parts") };
+        assert!(body_of(ball).is_ok() && body_of(rest).is_err());
+        assert_eq!([&ball.name, &rest.name], ["still life"; 2]);
+        assert!(ball.mesh.triangle_materials().iter().all(|&material| material == 1));
+        assert_eq!(rest.mesh.triangle_materials().iter().filter(|&&material| material == 0).count(), 12);
+        assert_eq!(ball.mesh.triangles().len() + rest.mesh.triangles().len(), object.mesh.triangles().len());
+        assert_eq!(scene.split_smooth_parts(CREASE_RAD), 0, "once is enough");
+    }
+
+    #[test]
+    fn what_is_all_smooth_or_all_not_stays_whole() {
+        let balls = [0.0, 3.0].map(|x| shapes::icosphere(Vec3::X * x, 1.0, 1));
+        let flat = [shapes::cuboid(Vec3::ZERO, Vec3::ONE), shapes::sheet(Vec3::splat(-5.0), Vec3::X, Vec3::Y, [1, 1])];
+        let objects = [together(balls), together(flat)].map(|mesh| Object::new("", mesh, DAffine3::IDENTITY));
+        let mut scene = Scene { objects: objects.to_vec(), ..Scene::default() };
+        assert_eq!(scene.split_smooth_parts(CREASE_RAD), 0);
+        assert!(scene.objects.iter().zip(&objects).all(|(a, b)| Arc::ptr_eq(&a.mesh, &b.mesh)));
+    }
+
+    #[test]
+    fn parts_are_posed_and_placed_as_the_whole_and_instances_share_them() {
+        let mesh = mixed();
+        let vertices = mesh.positions().len() as u32;
+        let weighted = |joint: u32| [Influence { joint, weight: 0.25 }, Influence { joint: 1 - joint, weight: 0.75 }];
+        let deformer = Arc::new(Deformer {
+            morph_offsets: vec![mesh.positions().iter().map(|p| p.yzx()).collect()],
+            influence_ranges: (0..vertices).map(|v| [2 * v, 2 * v + 2]).collect(),
+            influences: (0..vertices).flat_map(|v| weighted(v % 2)).collect(),
+        });
+        let joints = vec![DAffine3::from_rotation_x(0.3), DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0))];
+        let pose = Some(Pose { deformer, morph_weights: vec![0.4], joints });
+        let placed = Object {
+            pose,
+            world_from_object: DAffine3::from_rotation_z(1.0),
+            ..Object::new("whole", mesh.clone(), DAffine3::IDENTITY)
+        };
+        let other = Object::new("other", mesh, DAffine3::from_translation(DVec3::Y));
+        let mut scene = Scene { objects: vec![placed.clone(), other], ..Scene::default() };
+        assert_eq!(scene.split_smooth_parts(CREASE_RAD), 2);
+        assert!((0..2).all(|i| Arc::ptr_eq(&scene.objects[i].mesh, &scene.objects[i + 2].mesh)));
+        let corners = |objects: &[Object]| {
+            let mut all: Vec<[[u64; 3]; 3]> = Vec::new();
+            for object in objects {
+                let places: Vec<DVec3> = object.positions().collect();
+                let bits = |v: u32| places[v as usize].to_array().map(f64::to_bits);
+                all.extend(object.mesh.triangles().iter().map(|corners| corners.map(bits)));
+            }
+            all.sort_unstable();
+            all
+        };
+        assert_eq!(corners(&scene.objects[..2]), corners(&[placed]));
+    }
+}
