@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
@@ -17,6 +17,13 @@ use umbrae_render::{
 
 const CREASE_RAD: f64 = 0.76;
 const EPSILON_M: f64 = 1e-3;
+
+/// One test at a time: a driver in software compiles each shader once then, for all.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 fn gpu() -> Gpu {
     pollster::block_on(Gpu::new(&AdapterChoice::default())).expect("tests need a graphics driver: run scripts/setup.sh")
@@ -135,6 +142,7 @@ fn gaps(found: &FoundSmoothSilhouette) -> usize {
 
 #[test]
 fn silhouettes_are_those_of_the_cpu_within_epsilon() {
+    let _turn = turn();
     let gpu = gpu();
     for (name, surface) in bodies() {
         let caster = Caster::of_scene(&scene_of(vec![object(surface)])).remove(0);
@@ -159,6 +167,7 @@ fn silhouettes_are_those_of_the_cpu_within_epsilon() {
 
 #[test]
 fn volumes_are_closed_bit_for_bit() {
+    let _turn = turn();
     let gpu = gpu();
     for (name, surface) in bodies() {
         let caster = Caster::of_scene(&scene_of(vec![object(surface)])).remove(0);
@@ -173,6 +182,7 @@ fn volumes_are_closed_bit_for_bit() {
 
 #[test]
 fn random_normals_leave_volumes_closed() {
+    let _turn = turn();
     let gpu = gpu();
     let mut seed = 1_u64;
     let mut random = || {
@@ -193,6 +203,7 @@ fn random_normals_leave_volumes_closed() {
 
 #[test]
 fn what_there_is_no_room_for_is_coarser_and_as_closed() {
+    let _turn = turn();
     let gpu = gpu();
     let caster = Caster::of_scene(&scene_of(vec![object(shapes::icosphere(Vec3::ZERO, 1.0, 2))])).remove(0);
     let found = find_body(&gpu, &caster, body_of(&caster), curved(1e-9));
@@ -277,6 +288,7 @@ fn mask(
 
 #[test]
 fn masks_are_those_of_the_cpu_but_at_their_edges() {
+    let _turn = turn();
     let renderer = Renderer::new(gpu(), 1);
     let (scene, casters, bodies) = on_ground();
     let mut drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &[]).unwrap();
@@ -327,6 +339,7 @@ fn bent_tube(turn_rad: f64, rest: &Option<(Arc<Mesh>, Arc<Deformer>)>) -> (Objec
 
 #[test]
 fn a_body_that_moves_on_the_gpu_casts_the_smooth_shadow_of_where_it_is() {
+    let _turn = turn();
     let renderer = Renderer::new(gpu(), 1);
     let gpu = renderer.gpu();
     let (tube, rest) = bent_tube(0.0, &None);
@@ -367,6 +380,7 @@ fn a_body_that_moves_on_the_gpu_casts_the_smooth_shadow_of_where_it_is() {
 
 #[test]
 fn points_of_a_body_that_moves_are_those_of_the_cpu_where_it_is() {
+    let _turn = turn();
     let gpu = gpu();
     let (tube, rest) = bent_tube(0.0, &None);
     let rest = Some(rest);

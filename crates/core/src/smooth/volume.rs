@@ -325,8 +325,7 @@ impl Maker<'_> {
         };
         // The curve goes from the exit to the entry, with what is lit to its left; each polygon is closed by its first corner.
         let lit_area = seen(&mut lit[lit.len() - 1..].iter().copied().chain(curve()).chain(lit.iter().copied()));
-        let dark_area =
-            seen(&mut dark[dark.len() - 1..].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
+        let dark_area = seen(&mut dark[..1].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
         lit_area.min(dark_area) >= -UNSOUND * area * to_light.length()
     }
 
