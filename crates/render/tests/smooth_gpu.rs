@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -74,36 +74,49 @@ fn curved(epsilon_m: f64) -> Smooth {
     Smooth::Curved { epsilon_m, epsilon_px: None }
 }
 
-/// What is found of one caster under all `lights`, with z-fail, so that caps are found too.
+/// What is found of the bodies of `casters` under all lights in each of these ways, with z-fail, so that caps are found too.
 fn find(
     gpu: &Gpu,
     casters: &[Caster],
     uploaded: &ShadowCasters,
-    lights: &[Light],
-    smooth: Smooth,
-    positions: &[Vec<Vec3>],
-) -> Vec<FoundSmoothSilhouette> {
+    ways: &[Smooth],
+) -> Vec<(Smooth, Vec<FoundSmoothSilhouette>)> {
     let target = ShadowTarget { depth_stencil_format: gpu.caps.depth_stencil_format, samples: 1, color_formats: &[] };
     let shadows = Shadows::new(gpu, &target);
     let mut found = shadows.finder(gpu, casters, uploaded, SilhouetteSource::Gpu).unwrap();
-    let silhouettes = SilhouetteSource::Gpu;
-    let options = ShadowOptions { silhouettes, smooth, ..ShadowOptions::without_culling(Method::ZFail) };
     let view = shadows.view(gpu, casters, &far_camera());
-    found.plan(gpu, casters, uploaded, &view, lights, &options);
-    found.upload(gpu).unwrap();
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    found.record(&mut encoder);
-    gpu.queue.submit([encoder.finish()]);
-    pollster::block_on(found.read_smooth(gpu, casters, positions)).unwrap()
+    let positions: Vec<Vec<Vec3>> = casters.iter().map(|caster| caster.positions.clone()).collect();
+    let mut in_way = |&smooth: &Smooth| {
+        let silhouettes = SilhouetteSource::Gpu;
+        let options = ShadowOptions { silhouettes, smooth, ..ShadowOptions::without_culling(Method::ZFail) };
+        found.plan(gpu, casters, uploaded, &view, &lights(), &options);
+        found.upload(gpu).unwrap();
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        found.record(&mut encoder);
+        gpu.queue.submit([encoder.finish()]);
+        let silhouettes = pollster::block_on(found.read_smooth(gpu, casters, &positions)).unwrap();
+        assert_eq!(silhouettes.len(), lights().len() * casters.len(), "no light is in a box");
+        (smooth, silhouettes)
+    };
+    ways.iter().map(&mut in_way).collect()
 }
 
-fn find_body(gpu: &Gpu, caster: &Caster, body: SmoothBody, smooth: Smooth) -> Vec<FoundSmoothSilhouette> {
-    let casters = [caster.clone()];
-    let mut uploaded = ShadowCasters::new(gpu, &casters).unwrap();
-    uploaded.give_body(0, body);
-    let found = find(gpu, &casters, &uploaded, &lights(), smooth, &[caster.positions.clone()]);
-    assert_eq!(found.len(), lights().len(), "no light is in its box");
-    found
+/// Of bodies that stand where they were made.
+fn find_standing(
+    gpu: &Gpu,
+    casters: &[Caster],
+    bodies: &[SmoothBody],
+    ways: &[Smooth],
+) -> Vec<(Smooth, Vec<FoundSmoothSilhouette>)> {
+    let mut uploaded = ShadowCasters::new(gpu, casters).unwrap();
+    for (i, body) in bodies.iter().enumerate() {
+        uploaded.give_body(i, body.clone());
+    }
+    find(gpu, casters, &uploaded, ways)
+}
+
+fn casters() -> Vec<Caster> {
+    Caster::of_scene(&scene_of(bodies().into_iter().map(|(_, surface)| object(surface)).collect()))
 }
 
 /// How far the worst of the ends of `ours` is from the segments of `theirs`.
@@ -125,7 +138,7 @@ fn sides_of(volume: &SmoothVolume) -> Vec<[Vec3; 2]> {
 /// The boundary of caps and faces less the sides, edge by edge, by the bits of their ends.
 fn gaps(found: &FoundSmoothSilhouette) -> usize {
     type Bits = [u32; 3];
-    let mut sums: HashMap<[Bits; 2], i32> = HashMap::new();
+    let mut sums: BTreeMap<[Bits; 2], i32> = BTreeMap::new();
     let mut add = |from: Vec3, to: Vec3, times: i32| {
         let [from, to] = [from, to].map(|p| p.to_array().map(f32::to_bits));
         if from != to {
@@ -144,24 +157,23 @@ fn gaps(found: &FoundSmoothSilhouette) -> usize {
 fn silhouettes_are_those_of_the_cpu_within_epsilon() {
     let _turn = turn();
     let gpu = gpu();
-    for (name, surface) in bodies() {
-        let caster = Caster::of_scene(&scene_of(vec![object(surface)])).remove(0);
-        let body = body_of(&caster);
-        for (smooth, smoothness) in [
-            (Smooth::Accurate, Smoothness::Accurate),
-            (curved(EPSILON_M), Smoothness::Smooth(Precision::in_world(EPSILON_M))),
-        ] {
-            let mut worst = 0.0_f64;
-            for found in find_body(&gpu, &caster, body.clone(), smooth) {
-                let volume = SmoothVolume::new(&body, lights()[found.light].position, &smoothness);
-                let sides = sides_of(&volume);
-                let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));
-                assert!(off < EPSILON_M, "{name} under light {}, {smoothness:?}: {off} m off", found.light);
-                assert!(!found.is_coarse && !found.sides.is_empty());
-                worst = worst.max(off);
-            }
-            println!("{name}, {smoothness:?}: at most {worst:.1e} m off");
+    let casters = casters();
+    let bodies: Vec<SmoothBody> = casters.iter().map(body_of).collect();
+    for (smooth, found) in find_standing(&gpu, &casters, &bodies, &[Smooth::Accurate, curved(EPSILON_M)]) {
+        let smoothness = match smooth {
+            Smooth::Accurate => Smoothness::Accurate,
+            _ => Smoothness::Smooth(Precision::in_world(EPSILON_M)),
+        };
+        let mut worst = 0.0_f64;
+        for found in found {
+            let light = &lights()[found.light];
+            let sides = sides_of(&SmoothVolume::new(&bodies[found.caster], light.position, &smoothness));
+            let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));
+            assert!(off < EPSILON_M, "body {} under {}, {smooth:?}: {off} m off", found.caster, light.name);
+            assert!(!found.is_coarse && !found.sides.is_empty());
+            worst = worst.max(off);
         }
+        println!("{smooth:?}: at most {worst:.1e} m off");
     }
 }
 
@@ -169,13 +181,15 @@ fn silhouettes_are_those_of_the_cpu_within_epsilon() {
 fn volumes_are_closed_bit_for_bit() {
     let _turn = turn();
     let gpu = gpu();
-    for (name, surface) in bodies() {
-        let caster = Caster::of_scene(&scene_of(vec![object(surface)])).remove(0);
-        for smooth in [Smooth::Accurate, curved(0.01), curved(1e-4)] {
-            for found in find_body(&gpu, &caster, body_of(&caster), smooth) {
-                assert_eq!(gaps(&found), 0, "{name} under light {}, {smooth:?}", found.light);
-                assert!(!found.caps.is_empty() && found.is_fail);
-            }
+    let casters = casters();
+    let bodies: Vec<SmoothBody> = casters.iter().map(body_of).collect();
+    let ways = [Smooth::Accurate, curved(0.01), curved(1e-4), curved(1e-9)];
+    for (smooth, found) in find_standing(&gpu, &casters, &bodies, &ways) {
+        // What there is no room for is coarser, and as closed.
+        assert_eq!(found.iter().any(|found| found.is_coarse), smooth == curved(1e-9));
+        for found in found {
+            assert_eq!(gaps(&found), 0, "body {} under light {}, {smooth:?}", found.caster, found.light);
+            assert!(!found.caps.is_empty() && found.is_fail);
         }
     }
 }
@@ -189,27 +203,18 @@ fn random_normals_leave_volumes_closed() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 40) as f32 / (1_u32 << 23) as f32 - 1.0
     };
-    for (name, surface) in bodies() {
-        let caster = Caster::of_scene(&scene_of(vec![object(surface)])).remove(0);
+    let casters = casters();
+    let mut body = |caster: &Caster| {
         let normals: Vec<[Vec3; 3]> = (0..caster.mesh.triangles().len())
             .map(|_| std::array::from_fn(|_| Vec3::new(random(), random(), random()).normalize_or_zero()))
             .collect();
-        let body = SmoothBody::new(&caster, &normals).unwrap();
-        for found in find_body(&gpu, &caster, body, curved(0.01)) {
-            assert_eq!(gaps(&found), 0, "{name} under light {}", found.light);
+        SmoothBody::new(caster, &normals).unwrap()
+    };
+    let bodies: Vec<SmoothBody> = casters.iter().map(&mut body).collect();
+    for (smooth, found) in find_standing(&gpu, &casters, &bodies, &[curved(0.01)]) {
+        for found in found {
+            assert_eq!(gaps(&found), 0, "body {} under light {}, {smooth:?}", found.caster, found.light);
         }
-    }
-}
-
-#[test]
-fn what_there_is_no_room_for_is_coarser_and_as_closed() {
-    let _turn = turn();
-    let gpu = gpu();
-    let caster = Caster::of_scene(&scene_of(vec![object(shapes::icosphere(Vec3::ZERO, 1.0, 2))])).remove(0);
-    let found = find_body(&gpu, &caster, body_of(&caster), curved(1e-9));
-    assert!(found.iter().any(|found| found.is_coarse));
-    for found in found {
-        assert_eq!(gaps(&found), 0, "under light {}", found.light);
     }
 }
 
@@ -232,7 +237,7 @@ const SIZE_PX: [u32; 2] = [240, 180];
 
 /// How many pixels differ, and of those how many are not next to an edge of `theirs`.
 fn differing(ours: &[u8], theirs: &[u8]) -> [usize; 2] {
-    let [width, height] = SIZE_PX.map(|side| side as i64);
+    let [width, height] = SIZE_PX.map(i64::from);
     let at = |x: i64, y: i64| theirs[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize];
     let (mut all, mut inner) = (0, 0);
     for y in 0..height {
@@ -398,8 +403,7 @@ fn points_of_a_body_that_moves_are_those_of_the_cpu_where_it_is() {
         let mut uploaded = ShadowCasters::new(&gpu, &Caster::of_scene(&scene)).unwrap();
         uploaded.give_body(0, body_of(&Caster::of_scene(&scene)[0]));
         uploaded.update(&gpu, &casters);
-        let positions = [casters[0].positions.clone()];
-        for found in find(&gpu, &casters, &uploaded, &lights(), curved(EPSILON_M), &positions) {
+        for found in find(&gpu, &casters, &uploaded, &[curved(EPSILON_M)]).remove(0).1 {
             assert_eq!(gaps(&found), 0, "under light {}", found.light);
             let smoothness = Smoothness::Smooth(Precision::in_world(EPSILON_M));
             let volume = SmoothVolume::new(&body, lights()[found.light].position, &smoothness);
