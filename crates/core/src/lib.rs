@@ -69,7 +69,8 @@ pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
 };
 pub use smooth::{
-    NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothVolume, Smoothness, corner_normals, given_normals,
+    NO_BEND, NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothTables, SmoothVolume, Smoothness,
+    TwoSidedCrease, corner_normals, given_normals,
 };
 pub use sphere::{Sphere, SphereVolume};
 pub use square::square_segment;

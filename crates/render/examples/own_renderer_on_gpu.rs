@@ -57,11 +57,11 @@ pub(crate) async fn picture(casters: &[Caster], camera: &Camera, lights: &[Light
     draw(&mut begin(&mut encoder, Some(on_color(true)), &depth_view, true), &ambient, &lights[0]);
     for (light, volumes) in lights.iter().zip(found.lights()) {
         shadows.draw(&mut begin(&mut encoder, None, &depth_view, false), &uploaded, &view, volumes);
-        if volumes.needs_sums() {
+        for i in 0..volumes.sum_count() {
             let mut pass = begin(&mut encoder, Some(sums.attachment()), &depth_view, false);
-            shadows.draw_sums(&mut pass, &view, volumes);
+            shadows.draw_sums(&mut pass, &view, volumes, i);
             drop(pass);
-            shadows.draw_fold(&mut begin(&mut encoder, None, &depth_view, false), volumes, &sums);
+            shadows.draw_fold(&mut begin(&mut encoder, None, &depth_view, false), volumes, i, &sums);
         }
         draw(&mut begin(&mut encoder, Some(on_color(false)), &depth_view, false), &lit, light);
     }

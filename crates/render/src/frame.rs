@@ -5,7 +5,7 @@
 //! surface                every opaque triangle and sphere: depth, ambient light
 //! for each light that reaches the view:
 //!   volumes              the mark, then the shadow volumes into the stencil
-//!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark
+//!   sums, fold           volumes that the stencil can't count, if any: added up, then taken out of the mark; once more for each smooth body found on the GPU
 //!   light                this light, added where the stencil says that it reaches
 //!  or, of a light with a size:
 //!   coverage, composite  what casters cover of it, group by group, and what is left (see `soft/`)
@@ -91,8 +91,11 @@ impl<'a> Shadowing<'a> {
 
 /// How many passes [`record`] and [`record_tone`] make together, at most.
 pub(crate) fn pass_count(lights: &[FrameLight<'_>]) -> u32 {
-    let of = |light: &FrameLight<'_>| light.shadows.soft().map_or(4, |soft| 1 + soft.pass_count());
-    5 + lights.iter().map(of).sum::<u32>()
+    let of = |light: &FrameLight<'_>| match light.shadows {
+        Shadowing::Hard(light) => 2 + 2 * light.sum_count() as u32,
+        Shadowing::Soft(soft) => 1 + soft.pass_count(),
+    };
+    6 + lights.iter().map(of).sum::<u32>()
 }
 
 /// Records everything but the tone mapping.
@@ -212,12 +215,14 @@ fn record_sums(
 ) {
     let Some(sums) = frame.targets.sums().filter(|_| light.needs_sums()) else { return };
     let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
-    let label = format!("sums: {name}");
-    let mut pass = begin(encoder, frame, &label, Some(sums.attachment()), keep, timer);
-    passes.shadows.draw_sums(&mut pass, frame.shadow_view, light);
-    drop(pass);
-    let mut pass = begin(encoder, frame, &format!("fold: {name}"), None, keep, timer);
-    passes.shadows.draw_fold(&mut pass, light, sums);
+    for i in 0..light.sum_count() {
+        let label = format!("sums: {name}");
+        let mut pass = begin(encoder, frame, &label, Some(sums.attachment()), keep, timer);
+        passes.shadows.draw_sums(&mut pass, frame.shadow_view, light, i);
+        drop(pass);
+        let mut pass = begin(encoder, frame, &format!("fold: {name}"), None, keep, timer);
+        passes.shadows.draw_fold(&mut pass, light, i, sums);
+    }
 }
 
 /// Records what finds how much of a light is seen from the depth that is there.

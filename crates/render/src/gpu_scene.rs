@@ -156,6 +156,11 @@ impl GpuScene {
         self.shadow_casters.body(i)
     }
 
+    /// Moves the bodies of those of `casters` that have moved to where they are: [`ShadowCasters::pose_bodies`].
+    pub fn pose_bodies(&mut self, casters: &[Caster]) {
+        self.shadow_casters.pose_bodies(casters);
+    }
+
     /// What is in [`GpuScene::surface`] for `casters` and `materials`, of which this was made.
     pub(crate) fn surface_words(&self, casters: &[Caster], materials: &[Material]) -> Vec<u32> {
         bytemuck::cast_slice(&surface_vertices(casters, materials, &self.order).0).to_vec()

@@ -40,8 +40,9 @@ pub use overlay::{Overlay, OverlayColor, OverlayVertex};
 pub use posing::{Poser, Posing};
 pub use renderer::{Mask, Picture, PreparedShadows, Renderer, Shot, Visibility};
 pub use shadow::{
-    CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, LIT, LightMark, LightReport, Method, ShadowCasters,
-    ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource, Smooth, Why,
+    CasterReport, FaceCounts, Fate, FoundShadows, FoundSilhouette, FoundSmoothSilhouette, LIT, LightMark, LightReport,
+    Method, ShadowCasters, ShadowLight, ShadowOptions, ShadowSums, ShadowTarget, ShadowView, Shadows, SilhouetteSource,
+    Smooth, Why,
 };
 pub use targets::{Output, Targets};
 pub use texture_displacer::TextureDisplacer;

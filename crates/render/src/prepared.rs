@@ -13,8 +13,8 @@ use crate::{FoundShadows, Gpu, GpuError, LightReport, ShadowLight, Shot, Silhoue
 #[derive(Debug, Default)]
 pub(crate) struct KeptFinder(Mutex<Option<(KeptFor, FoundShadows)>>);
 
-/// What decides what is found: the source, and the samples of the passes that draw it.
-type KeptFor = (SilhouetteSource, u32);
+/// What decides what is found: the source, the samples of the passes that draw it, and the bodies that were given.
+type KeptFor = (SilhouetteSource, u32, u64);
 
 /// The lights of one frame, from when they are prepared until they are submitted.
 #[derive(Debug)]
@@ -55,20 +55,25 @@ impl<'a> PreparedLights<'a> {
         let lights = lights.iter().filter(|light| !is_soft(light));
         let shadows = &passes.shadows;
         let source = options.silhouettes;
-        let is_smooth = options.smooth != Smooth::Off;
-        if is_smooth || matches!(source, SilhouetteSource::Auto | SilhouetteSource::Cpu(_)) {
+        let is_on_cpu = match source {
+            SilhouetteSource::Auto | SilhouetteSource::Cpu(_) => true,
+            // Textures hold no smooth silhouettes.
+            SilhouetteSource::GpuBasic => options.smooth != Smooth::Off,
+            SilhouetteSource::Gpu => false,
+        };
+        if is_on_cpu {
             let own = lights.map(|light| shadows.light(gpu, casters, uploaded, view, light, options));
             return Ok(Self { soft, hard: HardLights::Own(own.collect::<Result<_, _>>()?) });
         }
         // What is kept is planned anew in each frame, so that a panic in another leaves nothing wrong in it.
         let mut kept = shot.scene.finder.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept_for = (source, shadows.samples());
+        let kept_for = (source, shadows.samples(), uploaded.bodies_given());
         if kept.as_ref().is_none_or(|(other, _)| *other != kept_for) {
             *kept = Some((kept_for, shadows.finder(gpu, casters, uploaded, source)?));
         }
         if let Some((_, found)) = &mut *kept {
             let lights: Vec<Light> = lights.cloned().collect();
-            shadows.compile_found(gpu, source);
+            shadows.compile_found(gpu, source, found);
             found.plan(gpu, casters, uploaded, view, &lights, options);
             found.upload(gpu)?;
         }

@@ -3,6 +3,9 @@
 const VIEW: &str = include_str!("shaders/view.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
 const JOB: &str = include_str!("shaders/job.wgsl");
+const NEAR: &str = include_str!("shaders/near.wgsl");
+const DARK_CAP: &str = include_str!("shaders/dark_cap.wgsl");
+const SMOOTH_JOB: &str = include_str!("shaders/smooth_job.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 const FLAT_NORMAL: &str = include_str!("shaders/flat_normal.wgsl");
 const FOUND_TABLES: &str = include_str!("shaders/found_tables.wgsl");
@@ -77,7 +80,7 @@ pub(crate) fn volume(device: &wgpu::Device) -> wgpu::ShaderModule {
 /// Volumes whose silhouettes were found on the GPU.
 pub(crate) fn found_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
     let volume = include_str!("shaders/volume.wgsl");
-    module(device, "found volume", &[VIEW, LIGHT, volume, JOB, include_str!("shaders/found_volume.wgsl")])
+    module(device, "found volume", &[VIEW, LIGHT, volume, DARK_CAP, JOB, include_str!("shaders/found_volume.wgsl")])
 }
 
 /// Sums of `samples` samples a pixel.
@@ -88,7 +91,20 @@ pub(crate) fn fold_sums(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModu
 }
 
 pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "find silhouettes", &[JOB, include_str!("shaders/find.wgsl")])
+    module(device, "find silhouettes", &[JOB, NEAR, include_str!("shaders/find.wgsl")])
+}
+
+/// The passes that find smooth silhouettes.
+pub(crate) fn find_smooth(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let [curve, find] = [include_str!("shaders/curve.wgsl"), include_str!("shaders/find_smooth.wgsl")];
+    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find])
+}
+
+/// Volumes of smooth silhouettes that were found on the GPU.
+pub(crate) fn found_smooth_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let volume = include_str!("shaders/volume.wgsl");
+    let found = include_str!("shaders/found_smooth_volume.wgsl");
+    module(device, "found smooth volume", &[VIEW, LIGHT, volume, DARK_CAP, SMOOTH_JOB, found])
 }
 
 /// The passes that find silhouettes in textures.

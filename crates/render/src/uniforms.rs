@@ -146,7 +146,9 @@ pub(crate) mod tests {
     use std::mem::offset_of;
 
     use crate::gpu_finishes::FinishUniform;
-    use crate::passes::{FindingUniform, FoundLightData, JobSlot, JobUniform, PosedUniform};
+    use crate::passes::{
+        FindingUniform, FoundLightData, JobSlot, JobUniform, PosedUniform, SmoothJobSlot, SmoothJobUniform,
+    };
     use crate::soft::ExtentUniform;
     use crate::texture_displacer::DisplacingUniform;
 
@@ -223,7 +225,11 @@ pub(crate) mod tests {
 
     #[test]
     fn what_silhouettes_are_found_with_has_the_same_bytes_in_rust_and_wgsl() {
-        let source = concat!(include_str!("shaders/job.wgsl"), include_str!("shaders/find.wgsl"));
+        let source = concat!(
+            include_str!("shaders/job.wgsl"),
+            include_str!("shaders/near.wgsl"),
+            include_str!("shaders/find.wgsl")
+        );
         assert_same_layout!(
             FindingUniform,
             source,
@@ -259,6 +265,62 @@ pub(crate) mod tests {
         let (span, members) = wgsl_layout(source, "Result");
         assert_eq!(span as u64, crate::shadow::RESULT_BYTES);
         assert_eq!(members.last(), Some(&("arguments".to_owned(), 16)));
+    }
+
+    #[test]
+    fn what_smooth_silhouettes_are_found_with_has_the_same_bytes_in_rust_and_wgsl() {
+        let source = concat!(
+            include_str!("shaders/smooth_job.wgsl"),
+            include_str!("shaders/near.wgsl"),
+            include_str!("shaders/curve.wgsl"),
+            include_str!("shaders/find_smooth.wgsl")
+        );
+        assert_same_layout!(
+            SmoothJobUniform,
+            source,
+            "SmoothJob",
+            [
+                position_world,
+                eye_world,
+                pixel_at_1,
+                receivers_min,
+                epsilon_m,
+                receivers_max,
+                epsilon_px,
+                near,
+                axes,
+                flags,
+                number,
+                light,
+                slack,
+                most_inset_m,
+                inner_room,
+                vertices,
+                corner_starts,
+                wedge_count,
+                triangles,
+                triangle_edges,
+                triangle_count,
+                edges,
+                bends,
+                edge_count,
+                creases,
+                crease_count,
+                normals,
+                heights,
+                crossings,
+                inner,
+                sides,
+                faces,
+                caps,
+                edge_triangles,
+                flats,
+            ]
+        );
+        assert_eq!(size_of::<SmoothJobSlot>(), 256, "the largest offset that a device may ask for");
+        let (span, members) = wgsl_layout(source, "SmoothResult");
+        assert_eq!(span as u64, crate::shadow::SMOOTH_RESULT_BYTES);
+        assert_eq!(members.last(), Some(&("arguments".to_owned(), 32)));
     }
 
     #[test]

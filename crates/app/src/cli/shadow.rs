@@ -91,7 +91,7 @@ pub struct ShadowArgs {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "curved",
-        conflicts_with_all = ["verify", "silhouette"],
+        conflicts_with = "verify",
         help_heading = SMOOTH
     )]
     smooth: Option<SmoothKind>,

@@ -29,6 +29,11 @@ const NEARLY_PARALLEL: f64 = 1e-3;
 /// A crease may bend into the triangles beside it by this part of their height: else the silhouette of one that is thin and flat would turn inside out.
 const MOST_INWARD: f64 = 0.2;
 
+/// Curves are nowhere farther from the mesh than this many times its longest edge. A cubic whose tangents are at most twice as long as its chord is within
+/// half of that of it; what lies between the curves of two edges has a chord of at most two edges, so that it is within one of that, and may be moved by half as
+/// a crease beside it bends; and a tenth is for insets and rounding.
+pub(super) const MOST_BULGE: f64 = 2.1;
+
 /// A caster whose silhouettes are those of a smooth surface through its vertices.
 #[derive(Debug, Clone)]
 pub struct SmoothBody {
@@ -36,14 +41,15 @@ pub struct SmoothBody {
     pub(super) wedges: Caster,
     pub(super) vertex_of_wedge: Vec<u32>,
     /// One of those of each vertex.
-    wedge_of_vertex: Vec<u32>,
+    pub(super) wedge_of_vertex: Vec<u32>,
     /// Unit length or 0, scene space, of each wedge.
     pub(super) normals: Vec<Vec3>,
     /// How each wedge edge is bent.
-    bends: Vec<Bend>,
+    pub(super) bends: Vec<Bend>,
     pub(super) creases: Vec<Crease>,
-    pub(super) finder: NormalFinder,
-    longest_edge_m: f64,
+    /// None where the body has moved: then each wedge and edge is looked at.
+    pub(super) finder: Option<NormalFinder>,
+    pub(super) longest_edge_m: f64,
     /// `triangles_of_wedge[first_triangle[w]..first_triangle[w + 1]]` have wedge `w`.
     first_triangle: Vec<u32>,
     triangles_of_wedge: Vec<u32>,
@@ -51,7 +57,7 @@ pub struct SmoothBody {
 
 /// How an edge between wedges is bent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Bend {
+pub(super) enum Bend {
     /// The surface goes on over it.
     Smooth,
     /// A crease, whose other side is this wedge edge.
@@ -124,14 +130,13 @@ impl SmoothBody {
         let split = Split::new(caster, normals);
         let wedges = split.caster(caster);
         let (bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
-        let finder = NormalFinder::new(&wedges, &split.normals);
+        let finder = Some(NormalFinder::new(&wedges, &split.normals));
         let Split { vertex_of_wedge, normals, .. } = split;
         let mut wedge_of_vertex = vec![0; caster.positions.len()];
         for (&v, w) in vertex_of_wedge.iter().zip(0..) {
             wedge_of_vertex[v as usize] = w;
         }
-        let length_m = |e: &Edge| wedges.positions[e.low as usize].distance(wedges.positions[e.high as usize]);
-        let longest_edge_m = wedges.topology.edges().iter().map(length_m).fold(0.0, f32::max).into();
+        let longest_edge_m = longest_edge_m(&wedges);
         let (first_triangle, triangles_of_wedge) = triangles_of_vertices(&wedges.mesh);
         Ok(Self {
             wedges,
@@ -236,11 +241,10 @@ impl SmoothBody {
         Some(off - chord * (off.dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE)))
     }
 
-    /// A box that holds every curve of the body, on edges and between them: those are at most twice as long as their chord, and chords at most as
-    /// long as the longest edge and the bulges at its ends.
+    /// A box that holds every curve of the body, on edges and between them.
     pub fn loose_bounds(&self) -> Bounds {
         let bounds = self.wedges.bounds;
-        let grown = DVec3::splat(4.0 * self.longest_edge_m);
+        let grown = DVec3::splat(MOST_BULGE * self.longest_edge_m);
         Bounds { min: bounds.min - grown, max: bounds.max + grown }
     }
 
@@ -249,14 +253,20 @@ impl SmoothBody {
         let edges = self.wedges.topology.edges().len();
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
-            + edges * (size_of::<Bend>() + 94)
+            + edges * (size_of::<Bend>() + if self.finder.is_some() { 94 } else { 24 })
             + self.wedges.mesh.triangles().len() * 70
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
 }
 
+/// The longest edge of `caster`.
+pub(super) fn longest_edge_m(caster: &Caster) -> f64 {
+    let length_m = |e: &Edge| caster.positions[e.low as usize].distance(caster.positions[e.high as usize]);
+    caster.topology.edges().iter().map(length_m).fold(0.0, f32::max).into()
+}
+
 /// The triangles at wedge edge `e`.
-fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator<Item = Side> {
+pub(super) fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator<Item = Side> {
     let edge = wedges.edges()[e as usize];
     let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
     let turn = if is_turned { -1 } else { 1 };

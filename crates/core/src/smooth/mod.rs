@@ -3,6 +3,8 @@
 //! ```text
 //!   normals      one for each corner, given or computed, with creases
 //!   body         the mesh split at creases, once for all lights
+//!   posed        the same body where its caster has moved to
+//!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
 //!   islands      small parts that are turned the wrong way
 //!   parts        objects cut into what is smooth and what is not
@@ -18,7 +20,9 @@ mod curve;
 mod islands;
 mod normals;
 mod parts;
+mod posed;
 mod precision;
+mod tables;
 mod tessellate;
 #[cfg(test)]
 mod tests;
@@ -27,4 +31,5 @@ mod volume;
 pub use body::{NotSmooth, SmoothBody};
 pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};
+pub use tables::{NO_BEND, SmoothTables, TwoSidedCrease};
 pub use volume::{SmoothScratch, SmoothVolume, Smoothness};

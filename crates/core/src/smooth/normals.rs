@@ -76,10 +76,7 @@ fn computed(caster: &Caster, crease_rad: f64) -> Vec<[Vec3; 3]> {
     }
     let mut sums = vec![DVec3::ZERO; 3 * triangles.len()];
     for (t, &face) in faces.iter().enumerate() {
-        let corners = caster.corners(t).map(Vec3::as_dvec3);
-        for i in 0..3 {
-            let [next, last] = [1, 2].map(|k| (corners[(i + k) % 3] - corners[i]).normalize_or_zero());
-            let angle_rad = next.cross(last).length().atan2(next.dot(last));
+        for (i, angle_rad) in corner_angles_rad(caster, t).into_iter().enumerate() {
             sums[groups.root(3 * t + i)] += face * angle_rad;
         }
     }
@@ -96,6 +93,15 @@ fn computed(caster: &Caster, crease_rad: f64) -> Vec<[Vec3; 3]> {
 pub(super) fn face_normal(caster: &Caster, t: usize) -> DVec3 {
     let [a, b, c] = caster.corners(t).map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// The angles of triangle `t`; 0 where an edge has no length.
+pub(super) fn corner_angles_rad(caster: &Caster, t: usize) -> [f64; 3] {
+    let corners = caster.corners(t).map(Vec3::as_dvec3);
+    [0, 1, 2].map(|i| {
+        let [next, last] = [1, 2].map(|k| (corners[(i + k) % 3] - corners[i]).normalize_or_zero());
+        next.cross(last).length().atan2(next.dot(last))
+    })
 }
 
 /// Whether `normals` of the corners of triangle `t` are all its own; one without area has none.

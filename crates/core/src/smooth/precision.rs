@@ -22,11 +22,14 @@ pub struct Precision {
 /// light, in the box of all that may receive it, and seen no larger than from the nearest place on that part of the ray.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnScreen {
-    epsilon_px: f64,
-    eye: DVec3,
+    /// How far a shadow may be off, pixels.
+    pub epsilon_px: f64,
+    /// Who sees it, scene space.
+    pub eye: DVec3,
     /// The width of a pixel at view depth 1.
-    pixel_at_1: f64,
-    receivers: Bounds,
+    pub pixel_at_1: f64,
+    /// All that may receive a shadow is in there.
+    pub receivers: Bounds,
 }
 
 impl OnScreen {

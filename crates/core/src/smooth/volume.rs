@@ -29,9 +29,9 @@ use super::islands::Islands;
 use super::precision::Precision;
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
-const INSET: f64 = 0.02;
+pub(super) const INSET: f64 = 0.02;
 /// And at most, in radii of the body.
-const MOST_INSET: f64 = 2e-3;
+pub(super) const MOST_INSET: f64 = 2e-3;
 
 /// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
 const EDGE_ON: f32 = 1e-5;
@@ -119,8 +119,7 @@ impl SmoothVolume {
         self.faces.clear();
         self.vertices.clear();
         self.flat.clear();
-        body.finder.turned(light, &mut self.turned);
-        body.finder.find(light, &mut scratch.found);
+        body.find(light, &mut self.turned, &mut scratch.found);
         scratch.islands.settle(body, light, &mut self.turned, &mut scratch.found);
         scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
         scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
@@ -326,8 +325,7 @@ impl Maker<'_> {
         };
         // The curve goes from the exit to the entry, with what is lit to its left; each polygon is closed by its first corner.
         let lit_area = seen(&mut lit[lit.len() - 1..].iter().copied().chain(curve()).chain(lit.iter().copied()));
-        let dark_area =
-            seen(&mut dark[dark.len() - 1..].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
+        let dark_area = seen(&mut dark[..1].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
         lit_area.min(dark_area) >= -UNSOUND * area * to_light.length()
     }
 

@@ -1,7 +1,5 @@
 //! Moving without reading back: for silhouettes found on the GPU, to which the CPU gives nothing but boxes.
 
-use std::sync::atomic::Ordering;
-
 use glam::Vec3;
 use umbrae_core::{Caster, Object};
 
@@ -27,7 +25,7 @@ impl GpuPoser {
         gpu.queue.submit([encoder.finish()]);
         for i in moved {
             let part = &self.parts[i];
-            scene.shadow_casters.has_moved[i].store(true, Ordering::Relaxed);
+            scene.shadow_casters.note_left(i);
             if !self.is_boxed[i] || before.get(part.range()) != self.shown.get(part.range()) {
                 self.is_boxed[i] = true;
                 let caster = &mut casters[i];

@@ -1,6 +1,7 @@
 //! The passes. Each owns its pipelines: `new` compiles, `draw` records.
 
 mod find;
+mod find_smooth;
 mod glass;
 mod light;
 mod overlay;
@@ -10,6 +11,9 @@ mod surface;
 mod tone;
 
 pub(crate) use find::{FindPass, FindingUniform, FoundLightData, JobSlot, JobUniform, MOST_PLANES, job_flags};
+pub(crate) use find_smooth::{
+    FindSmoothPass, SMOOTH_JOB_SIZE, SmoothAmounts, SmoothJobSlot, SmoothJobUniform, smooth_flags, smooth_job_offset,
+};
 pub(crate) use glass::{GlassFrame, GlassPass};
 pub(crate) use light::{LightPass, SoftSurfaces};
 pub(crate) use overlay::{GpuOverlay, OverlayPass};

@@ -1,4 +1,4 @@
-// Finds the silhouettes of all lights of a frame: `find_triangles`, then `find_edges`, then `find_arguments`.
+// Finds the silhouettes of all lights of a frame: `find_triangles`, then `find_edges`, then `find_arguments`. Needs job.wgsl and near.wgsl.
 //
 // Each triangle is turned to each light by one expression, once; what comes out is stored as two bits, 0 for 0, 1 for +1 and 2 for -1, of 16
 // lights to a word. Sides and caps are made of these bits alone, so that volumes are closed whatever the rounding.
@@ -9,33 +9,6 @@
 // How many lights have their bits in a word.
 const LIGHTS: u32 = 16u;
 const NONE: u32 = 0xFFFFFFFFu;
-
-struct Finding {
-    light_count: u32,
-    // Of coefficients, for each triangle.
-    words: u32,
-    job_count: u32,
-    // Each block has two words in `tables`.
-    triangle_blocks: u32,
-    triangle_block_count: u32,
-    edge_blocks: u32,
-    edge_block_count: u32,
-    unused: u32,
-    // The box around the near rectangle, and its corners.
-    near_min: vec4f,
-    near_max: vec4f,
-    near_corners: array<vec4f, 4>,
-}
-
-struct FoundLight {
-    position_world: vec4f,
-    // The hull of the light and the near rectangle: the inner side of these.
-    plane_count: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
-    planes: array<vec4f, 16>,
-}
 
 struct JobSlot {
     job: Job,
@@ -92,40 +65,6 @@ fn block_number(group: vec3u, groups: vec3u) -> u32 {
     return group.y * groups.x + group.x;
 }
 
-fn largest(v: vec3f) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
-struct Triangle {
-    corners: array<vec3f, 3>,
-    // Counter-clockwise, about as long as the triangle is wide for its length; 0 for corners on one line.
-    normal: vec3f,
-    normal_length: f32,
-}
-
-// The normal is from the two shorter edges: of the three pairs their product loses the least.
-fn triangle_of(a: vec3f, b: vec3f, c: vec3f) -> Triangle {
-    // Edges of about 1, so that nothing overflows.
-    let scale = max(largest(b - a), largest(c - a));
-    if scale == 0.0 {
-        return Triangle(array<vec3f, 3>(a, b, c), vec3f(0.0), 0.0);
-    }
-    let ab = (b - a) / scale;
-    let bc = (c - b) / scale;
-    let ca = (a - c) / scale;
-    var normal = cross(ab, bc);
-    if dot(ab, ab) > max(dot(bc, bc), dot(ca, ca)) {
-        normal = cross(bc, ca);
-    } else if dot(bc, bc) > dot(ca, ca) {
-        normal = cross(ca, ab);
-    }
-    return Triangle(array<vec3f, 3>(a, b, c), normal, length(normal));
-}
-
-fn offset_from(homogeneous: vec4f, point: vec3f) -> vec3f {
-    return homogeneous.xyz - point * homogeneous.w;
-}
-
 // The two bits of a triangle. Where only facing triangles count, nothing is edge-on.
 fn coefficient_bits(triangle: Triangle, position: vec4f, edge_on: f32, counts_facing: bool) -> u32 {
     let height = dot(triangle.normal, offset_from(position, triangle.corners[0]));
@@ -150,40 +89,6 @@ fn is_clear(position: vec4f, low: vec3f, high: vec3f, slack: f32) -> bool {
     let holds_light = position.w != 0.0 && all(position.xyz >= a) && all(position.xyz <= b);
     let meets_near = all(finding.near_max.xyz >= a) && all(finding.near_min.xyz <= b);
     return !(holds_light || meets_near);
-}
-
-// A direction with a smaller sine to a plane may be in it.
-const PARALLEL: f32 = 8e-6;
-// The normal of edges of about 1 is rounded by less than this.
-const NORMAL_ROUNDING: f32 = 2e-6;
-
-// 1 or -1 for the side of the triangle's plane on which a point is, given from its first corner; 0 where that is not sure.
-fn side_of(triangle: Triangle, offset: vec3f, slack: f32) -> i32 {
-    let height = dot(triangle.normal, offset);
-    let margin = slack * triangle.normal_length + NORMAL_ROUNDING * length(offset);
-    return select(0, 1, height > margin) - select(0, 1, height < -margin);
-}
-
-// Whether nothing of the triangle is between the light and the near rectangle: all of it is outside of one plane of their hull, or the hull is on
-// one side of its plane. In doubt not.
-fn is_apart(triangle: Triangle, light: u32, slack: f32) -> bool {
-    for (var i = 0u; i < lights[light].plane_count; i++) {
-        let plane = lights[light].planes[i];
-        let a = dot(plane.xyz, triangle.corners[0]) + plane.w;
-        let b = dot(plane.xyz, triangle.corners[1]) + plane.w;
-        let c = dot(plane.xyz, triangle.corners[2]) + plane.w;
-        if max(a, max(b, c)) < 0.0 {
-            return true;
-        }
-    }
-    let position = lights[light].position_world;
-    let side = side_of(triangle, offset_from(position, triangle.corners[0]), select(slack, PARALLEL, position.w == 0.0));
-    for (var i = 0u; i < 4u; i++) {
-        if side != side_of(triangle, finding.near_corners[i].xyz - triangle.corners[0], slack) {
-            return false;
-        }
-    }
-    return side != 0;
 }
 
 fn take_room(i: u32, of_word: u32, row: u32, is_cap: bool) {

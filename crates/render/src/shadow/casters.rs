@@ -80,6 +80,10 @@ pub struct ShadowCasters {
     pub(crate) silhouettes: Vec<Mutex<Silhouettes>>,
     /// Casters that stand for smooth bodies.
     pub(crate) bodies: Vec<Option<SmoothBody>>,
+    /// Whether a caster may be elsewhere than where its body was made.
+    pub(crate) has_left_body: Vec<AtomicBool>,
+    /// How often bodies were given or moved.
+    bodies_given: u64,
     moves: AtomicU64,
     /// Positions that only the GPU knows; see [`crate::TextureDisplacer`].
     displaced: OnceLock<Displaced>,
@@ -110,8 +114,9 @@ impl ShadowCasters {
         let has_moved = casters.iter().map(|_| AtomicBool::new(false)).collect();
         let silhouettes = casters.iter().map(|_| Mutex::default()).collect();
         let bodies = casters.iter().map(|_| None).collect();
+        let has_left_body = casters.iter().map(|_| AtomicBool::new(false)).collect();
         let (moves, displaced) = (AtomicU64::new(0), OnceLock::new());
-        Ok(Self { vertices, blocks, has_moved, silhouettes, bodies, moves, displaced })
+        Ok(Self { vertices, blocks, has_moved, silhouettes, bodies, has_left_body, bodies_given: 0, moves, displaced })
     }
 
     /// Positions that only the GPU knows, if there are any.
@@ -144,19 +149,44 @@ impl ShadowCasters {
 
     /// Has caster `i` cast the shadow of the smooth `body`, which was made of it as it is, where [`crate::ShadowOptions::smooth`] asks for that.
     ///
-    /// A caster that has moved since casts the shadow of its triangles until it is given another.
+    /// Where silhouettes are found by [`crate::SilhouetteSource::Gpu`], the body then moves with the caster. Where they are found on the CPU, a caster that has
+    /// moved casts the shadow of its triangles until its body [is moved too](ShadowCasters::pose_bodies), or it is given another.
     pub fn give_body(&mut self, i: usize, body: SmoothBody) {
-        self.has_moved[i].store(false, Ordering::Relaxed);
+        self.bodies_given += 1;
+        self.has_left_body[i].store(false, Ordering::Relaxed);
         self.bodies[i] = Some(body);
+    }
+
+    /// Moves the bodies of those of `casters` that have moved to where they are, for silhouettes that are found on the CPU: [`SmoothBody::pose_to`].
+    pub fn pose_bodies(&mut self, casters: &[Caster]) {
+        for ((body, has_left), caster) in self.bodies.iter_mut().zip(&self.has_left_body).zip(casters) {
+            if let Some(body) = body
+                && has_left.swap(false, Ordering::Relaxed)
+            {
+                self.bodies_given += 1;
+                body.pose_to(caster);
+            }
+        }
+    }
+
+    /// Changes when a body is given, or moved on the CPU.
+    pub(crate) fn bodies_given(&self) -> u64 {
+        self.bodies_given
     }
 
     /// What caster `i` stands for, if that is known where it is now.
     pub(crate) fn body(&self, i: usize) -> Option<&SmoothBody> {
-        self.bodies[i].as_ref().filter(|_| !self.has_moved[i].load(Ordering::Relaxed))
+        self.bodies[i].as_ref().filter(|_| !self.has_left_body[i].load(Ordering::Relaxed))
+    }
+
+    /// Caster `i` is elsewhere.
+    pub(crate) fn note_left(&self, i: usize) {
+        self.has_moved[i].store(true, Ordering::Relaxed);
+        self.has_left_body[i].store(true, Ordering::Relaxed);
     }
 
     fn note_move(&self, i: usize) {
-        self.has_moved[i].store(true, Ordering::Relaxed);
+        self.note_left(i);
         self.silhouettes[i].lock().unwrap_or_else(PoisonError::into_inner).forget();
     }
 

@@ -33,7 +33,9 @@ use wgpu::util::DeviceExt as _;
 pub use casters::ShadowCasters;
 #[cfg(test)]
 pub(crate) use found::RESULT_BYTES;
-pub use found::{FoundShadows, FoundSilhouette, ShadowSums};
+#[cfg(test)]
+pub(crate) use found::SMOOTH_RESULT_BYTES;
+pub use found::{FoundShadows, FoundSilhouette, FoundSmoothSilhouette, ShadowSums};
 pub use options::{LightMark, Method, ShadowOptions, SilhouetteSource, Smooth};
 pub use pipelines::ShadowTarget;
 pub use report::{CasterReport, FaceCounts, Fate, LightReport, Why};
@@ -42,7 +44,7 @@ pub(crate) use tally::{Tally, TallyKind};
 use crate::passes::{Layouts, uniform_buffer_and_group, uniform_group};
 use crate::uniforms::{LightUniform, View};
 use crate::{Gpu, GpuError, Look};
-use found::{DrawnWith, FoundDrawing};
+use found::{DrawnWith, FoundDrawing, SmoothDrawnWith};
 use pipelines::{MARK, Pipelines};
 use plan::{Batch, Draw, Plan, Seen, Source};
 
@@ -95,6 +97,8 @@ pub struct ShadowLight {
     smooth: [Option<wgpu::Buffer>; 2],
     /// Of silhouettes found on the GPU.
     drawn_with: Option<DrawnWith>,
+    /// Of smooth silhouettes found on the GPU.
+    drawn_smooth: Option<SmoothDrawnWith>,
     /// What is drawn and why.
     pub report: LightReport,
 }
@@ -221,6 +225,7 @@ impl Shadows {
                 upload("smooth indices", bytemuck::cast_slice(&plan.smooth_indices), wgpu::BufferUsages::INDEX)?,
             ],
             drawn_with: None,
+            drawn_smooth: None,
             plan,
             report,
         })

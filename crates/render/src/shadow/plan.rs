@@ -18,7 +18,7 @@ use umbrae_core::{Bounds, Camera, CaseChooser, Caster, Culler, Light, PixelRect,
 use super::caster_plan::{CasterOutline, CasterPlanner};
 use super::casters::{ShadowCasters, VolumeVertex};
 use super::emit::{Indices, Part};
-use super::found::FoundDraw;
+use super::found::{FoundDraw, FoundSmooth};
 use super::options::{LightMark, ShadowOptions};
 use super::report::{CasterReport, Fate};
 use super::smooth_plan::{SmoothOutline, SmoothPlanner};
@@ -75,6 +75,8 @@ pub(crate) struct Plan {
     pub(crate) found: Vec<FoundDraw>,
     /// Draws of casters that may overlap themselves more often than the stencil counts: added up in a float target.
     pub(crate) summed: Vec<FoundDraw>,
+    /// Smooth bodies, each of which is added up alone.
+    pub(crate) found_smooth: Vec<FoundSmooth>,
     pub(crate) indices: Indices,
     /// The faces of spheres' volumes, three vertices each.
     pub(crate) loose: Vec<VolumeVertex>,
@@ -204,6 +206,7 @@ impl Plan {
             batches: Vec::new(),
             found: Vec::new(),
             summed: Vec::new(),
+            found_smooth: Vec::new(),
             indices: Indices::default(),
             loose: Vec::new(),
             smooth_vertices: Vec::new(),
@@ -232,6 +235,7 @@ impl Plan {
         self.batches.clear();
         self.found.clear();
         self.summed.clear();
+        self.found_smooth.clear();
         self.indices.clear();
         self.loose.clear();
         self.smooth_vertices.clear();

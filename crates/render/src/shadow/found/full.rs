@@ -21,6 +21,7 @@ use wgpu::util::DeviceExt as _;
 use super::DrawnWith;
 use super::jobs::{Count, DarkCap, Job};
 use super::pipelines::{draw_group, draw_layout};
+use super::smooth::SmoothFinder;
 use super::tables::Tables;
 use crate::growing::GrowingBuffer;
 use crate::passes::{FindPass, FindingUniform, FoundLightData, JobSlot, JobUniform, MOST_PLANES, groups, job_flags};
@@ -59,6 +60,8 @@ pub(super) struct FullFinder {
     /// For drawing.
     drawn: Option<wgpu::BindGroup>,
     pub(super) staged: Staged,
+    /// If any caster stands for a smooth body.
+    pub(super) smooth: Option<SmoothFinder>,
     /// Across, or down.
     most_groups: u32,
 }
@@ -113,6 +116,7 @@ impl FullFinder {
             most_groups: gpu.device.limits().max_compute_workgroups_per_dimension,
             group: None,
             drawn: None,
+            smooth: SmoothFinder::new(gpu, uploaded)?,
             staged: Staged {
                 finding: FindingUniform::zeroed(),
                 lights: Vec::new(),
@@ -216,16 +220,21 @@ impl FullFinder {
     /// [`GpuError::TooLarge`] when the lists are larger than shaders can be given.
     pub(super) fn upload(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         let staged = &self.staged;
+        let mut is_other = self.finding.fill(gpu, bytemuck::bytes_of(&staged.finding))?;
+        is_other |= self.lights.fill(gpu, bytemuck::cast_slice(&staged.lights))?;
+        if let Some(smooth) = &mut self.smooth {
+            smooth.upload(gpu, self.finding.buffer(), self.lights.buffer(), is_other)?;
+        }
         if staged.jobs.is_empty() {
+            // What it was made with may be gone by the next frame.
+            self.group = self.group.take().filter(|_| !is_other);
             return Ok(());
         }
         let coefficients = 4 * u64::from(self.tables.triangle_count) * u64::from(staged.finding.words);
-        let mut is_other = self.group.is_none();
+        is_other |= self.group.is_none();
         is_other |= self.lists.grow_to(gpu, 4 * staged.list_len)?;
         is_other |= self.coefficients.grow_to(gpu, coefficients)?;
         is_other |= self.results.grow_to(gpu, RESULT_BYTES * staged.jobs.len() as u64)?;
-        is_other |= self.finding.fill(gpu, bytemuck::bytes_of(&staged.finding))?;
-        is_other |= self.lights.fill(gpu, bytemuck::cast_slice(&staged.lights))?;
         is_other |= self.jobs.fill(gpu, bytemuck::cast_slice(&staged.jobs))?;
         is_other |= self.rows.fill(gpu, bytemuck::cast_slice(&staged.rows))?;
         if is_other {
@@ -249,6 +258,9 @@ impl FullFinder {
 
     /// Records the finding, as a pass of its own that is timed.
     pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+        if let Some(smooth) = &self.smooth {
+            smooth.record(encoder, timer);
+        }
         let finding = &self.staged.finding;
         let Some(group) = self.group.as_ref().filter(|_| finding.job_count > 0) else { return };
         encoder.clear_buffer(self.results.buffer(), 0, Some(RESULT_BYTES * u64::from(finding.job_count)));

@@ -7,6 +7,7 @@
 use glam::DVec3;
 use umbrae_core::{Bounds, Camera, Case, Caster, LightPosition, PixelRect};
 
+use super::smooth::SmoothFinder;
 use crate::shadow::casters::{Block, ShadowCasters};
 use crate::shadow::emit::{FAN_RADII, Part};
 use crate::shadow::options::{Method, ShadowOptions};
@@ -128,7 +129,8 @@ const SLACK: f64 = 8e-6;
 /// With more batches than this, a float target for the rest costs less than a look at every pixel between each two.
 const MOST_BATCHES: usize = 3;
 
-/// Adds to `jobs` those of `light`, which is number `number` and for which `plan` was started, and to `plan` what is drawn of them.
+/// Adds to `jobs` those of `light`, but for casters that `smooth` finds, which is number `number` and for which `plan` was started, and to `plan` what is drawn of them.
+#[expect(clippy::too_many_arguments, reason = "one caller; a struct would only repeat the names")]
 pub(super) fn add(
     jobs: &mut Vec<Job>,
     plan: &mut Plan,
@@ -137,8 +139,15 @@ pub(super) fn add(
     seen: &Seen,
     (number, light): (u32, LightPosition),
     options: &ShadowOptions,
+    mut smooth: Option<&mut SmoothFinder>,
 ) {
     for (i, (caster, &block)) in casters.iter().zip(&uploaded.blocks).enumerate() {
+        if let Some(smooth) = &mut smooth
+            && let Some(report) = smooth.add(plan, (i, caster, block), uploaded, scope, seen, (number, light), options)
+        {
+            plan.casters.push(report);
+            continue;
+        }
         let rect = match casting_rect(caster, &scope.culler, options, scope.rect) {
             Ok(rect) => rect,
             Err(fate) => {
@@ -146,7 +155,7 @@ pub(super) fn add(
                 continue;
             }
         };
-        let job = job(caster, block, scope, &seen.camera, light, options);
+        let job = job((caster, caster.bounds), block, scope, &seen.camera, light, options);
         let job = Job { caster: i as u32, light: number, ..job };
         let most_overlaps = most_overlaps(caster, &job, &seen.camera, light);
         let amounts = |_, count| std::iter::once(Amount::Found(count));
@@ -166,16 +175,15 @@ pub(super) fn report(job: &Job, options: &ShadowOptions, rect: PixelRect) -> Cas
     CasterReport { rect: Some(rect), ..CasterReport::of_found(fate) }
 }
 
-/// What is told of one caster and light from boxes; neither of them is numbered.
+/// What is told of one caster, whose volume starts in `bounds`, and light from boxes; neither of them is numbered.
 pub(super) fn job(
-    caster: &Caster,
+    (caster, bounds): (&Caster, Bounds),
     block: Block,
     scope: &Scope,
     camera: &Camera,
     light: LightPosition,
     options: &ShadowOptions,
 ) -> Job {
-    let bounds = caster.bounds;
     let shows_light_cap = !options.cull_caps || scope.culler.light_cap_may_show(&bounds);
     let shows_dark_cap = !options.cull_caps || scope.culler.dark_cap_may_show(&bounds);
     let zfail = if shows_light_cap { Case::Fail } else { Case::FailWithoutLightCap };
@@ -215,13 +223,18 @@ pub(super) fn job(
 fn most_overlaps(caster: &Caster, job: &Job, camera: &Camera, light: LightPosition) -> u32 {
     let triangles = caster.mesh.triangles().len() as u32;
     let is_closed = caster.topology.components().iter().all(|component| component.is_closed);
+    let counts_facing = is_closed && !job.is_see_through && is_apart_from_ends(caster, job, camera, light);
+    if counts_facing { triangles / 2 } else { triangles }
+}
+
+/// Whether neither the light nor the near rectangle comes near the caster's box, so that neither is inside of it.
+pub(super) fn is_apart_from_ends(caster: &Caster, job: &Job, camera: &Camera, light: LightPosition) -> bool {
     // Twice, so that what is clear here is clear to the device too, which rounds.
     let slack = 2.0 * DVec3::splat(job.slack_m.into());
     let widened = Bounds { min: caster.bounds.min - slack, max: caster.bounds.max + slack };
     let is_at_light = !light.is_directional() && widened.meets(&Bounds::of_points([light.homogeneous().truncate()]));
     let is_at_eye = widened.meets(&Bounds::of_points(camera.near_rectangle()));
-    let counts_facing = is_closed && !job.is_see_through && !is_at_light && !is_at_eye;
-    if counts_facing { triangles / 2 } else { triangles }
+    !is_at_light && !is_at_eye
 }
 
 /// Adds to `plan` what is drawn of `job`, as number `number`, where its volume, or this part of it, overlaps itself at most so many times; `amounts`

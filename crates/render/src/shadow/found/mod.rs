@@ -4,6 +4,7 @@
 //!   jobs       which casters matter to which light, from boxes          CPU
 //!   tables     what is known of meshes before there is a light          uploaded once
 //!   full       facing, silhouettes, cases, draws                        compute
+//!   smooth     smooth silhouettes of bodies                             compute
 //!   basic      the same in textures                                     render passes
 //!   pipelines  volumes from lists or textures
 //!   read       what was found, for tests
@@ -19,6 +20,7 @@ mod full;
 mod jobs;
 pub(crate) mod pipelines;
 mod read;
+mod smooth;
 mod sums;
 mod tables;
 
@@ -30,6 +32,10 @@ use web_time::Instant;
 
 pub(crate) use jobs::FoundDraw;
 pub use read::FoundSilhouette;
+pub use smooth::FoundSmoothSilhouette;
+#[cfg(test)]
+pub(crate) use smooth::SMOOTH_RESULT_BYTES;
+pub(crate) use smooth::{FoundSmooth, SmoothDrawnWith};
 pub use sums::ShadowSums;
 
 use super::options::{ShadowOptions, SilhouetteSource};
@@ -47,6 +53,7 @@ pub(crate) use full::RESULT_BYTES;
 use jobs::Amount;
 use jobs::Job;
 use pipelines::{DrawnFrom, FoldPass, FoundPipelines, job_offset};
+use smooth::{SmoothDrawing, SmoothFinder};
 
 /// The shadows of all lights of a frame, of silhouettes found on the GPU; kept from frame to frame with its memory.
 ///
@@ -84,6 +91,7 @@ struct FoundLight {
 pub(crate) struct FoundDrawing {
     of_lists: OnceLock<VolumeDrawing>,
     of_tables: OnceLock<VolumeDrawing>,
+    of_smooth: OnceLock<SmoothDrawing>,
 }
 
 #[derive(Debug)]
@@ -91,6 +99,14 @@ struct VolumeDrawing {
     stencil: FoundPipelines,
     /// Where there may be any.
     sums: Option<(FoundPipelines, FoldPass)>,
+}
+
+/// What is added up in one go.
+#[derive(Debug, Clone, Copy)]
+enum Sum {
+    /// Casters that count their triangles, together.
+    Triangles,
+    Smooth(FoundSmooth),
 }
 
 /// What one light's volumes are drawn with.
@@ -129,19 +145,23 @@ impl Shadows {
                 Finder::Basic(Box::new(BasicFinder::new(gpu, casters, uploaded, self.may_sum_basic())?))
             }
         };
-        self.compile_found(gpu, source);
-        Ok(FoundShadows {
+        let found = FoundShadows {
             finder,
             jobs: Vec::new(),
             lights: Vec::new(),
             light_count: 0,
             light_layout: self.layouts.light.clone(),
-        })
+        };
+        self.compile_found(gpu, source, &found);
+        Ok(found)
     }
 
-    /// Compiles what draws volumes found as `source` says, unless that was done.
-    pub(crate) fn compile_found(&self, gpu: &Gpu, source: SilhouetteSource) {
+    /// Compiles what draws volumes that `found` finds as `source` says, unless that was done.
+    pub(crate) fn compile_found(&self, gpu: &Gpu, source: SilhouetteSource, found: &FoundShadows) {
         let target = self.target();
+        if found.smooth().is_some() {
+            self.found.of_smooth.get_or_init(|| SmoothDrawing::new(gpu, &self.layouts, &target));
+        }
         let compile = |may_sum: bool, from: DrawnFrom<'_>| {
             let sums = || (FoundPipelines::sums(gpu, &self.layouts, &target, from), FoldPass::new(gpu, &target));
             let stencil = FoundPipelines::stencil(gpu, &self.layouts, &target, from);
@@ -182,24 +202,42 @@ impl Shadows {
         }
     }
 
-    /// Adds up what the stencil can't count, after [`Shadows::draw`] or [`Shadows::draw_counts`], where [`ShadowLight::needs_sums`]: in a pass
-    /// whose colour is [`ShadowSums::attachment`] alone, with the same depth and stencil. Then comes [`Shadows::draw_fold`].
-    pub fn draw_sums(&self, pass: &mut wgpu::RenderPass<'_>, view: &ShadowView, light: &ShadowLight) {
-        if !light.needs_sums() {
-            return;
-        }
+    /// Adds up what the stencil can't count, after [`Shadows::draw`] or [`Shadows::draw_counts`]: sum `i` of [`ShadowLight::sum_count`], each in a pass of its own
+    /// whose colour is [`ShadowSums::attachment`] alone, with the same depth and stencil. [`Shadows::draw_fold`] comes behind each.
+    pub fn draw_sums(&self, pass: &mut wgpu::RenderPass<'_>, view: &ShadowView, light: &ShadowLight, i: usize) {
         self.bind(pass, view, light);
         pass.set_stencil_reference(super::MARK);
+        let found = match light.sum(i) {
+            Some(Sum::Triangles) => None,
+            Some(Sum::Smooth(found)) => Some(found),
+            None => return,
+        };
+        if let Some(found) = found {
+            if let (Some(drawing), Some(with)) = (self.found.of_smooth.get(), &light.drawn_smooth) {
+                found.draw(pass, drawing, with);
+            }
+            return;
+        }
         let Some(with) = &light.drawn_with else { return };
         let Some((pipelines, _)) = &self.drawing_of(with).sums else { return };
         draw(pass, with, &light.plan.summed, |draw| pipelines.of(draw.part, draw.shape));
     }
 
-    /// Takes the light away where `sums` are not 0: in a pass without colour, with the same depth and stencil.
-    pub fn draw_fold(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight, sums: &ShadowSums) {
-        let Some(rect) = light.plan.rect.filter(|_| light.needs_sums()) else { return };
-        let Some(with) = &light.drawn_with else { return };
-        let Some((_, fold)) = &self.drawing_of(with).sums else { return };
+    /// Takes the light away where `sums`, into which sum `i` was drawn, are not 0: in a pass without colour, with the same depth and stencil.
+    pub fn draw_fold(&self, pass: &mut wgpu::RenderPass<'_>, light: &ShadowLight, i: usize, sums: &ShadowSums) {
+        let Some(rect) = light.plan.rect else { return };
+        let (rect, fold) = match light.sum(i) {
+            Some(Sum::Triangles) => {
+                let drawing = light.drawn_with.as_ref().map(|with| self.drawing_of(with));
+                let Some((_, fold)) = drawing.and_then(|drawing| drawing.sums.as_ref()) else { return };
+                (rect, fold)
+            }
+            Some(Sum::Smooth(found)) => {
+                let Some(drawing) = self.found.of_smooth.get() else { return };
+                (found.rect, &drawing.fold)
+            }
+            None => return,
+        };
         super::set_scissor(pass, rect);
         pass.set_stencil_reference(super::MARK);
         fold.draw(pass, &sums.group);
@@ -261,7 +299,12 @@ impl FoundShadows {
             self.lights.push(light);
         }
         match &mut self.finder {
-            Finder::Full(finder) => finder.start(&view.seen.camera, lights.len() as u32),
+            Finder::Full(finder) => {
+                finder.start(&view.seen.camera, lights.len() as u32);
+                if let Some(smooth) = &mut finder.smooth {
+                    smooth.start(casters, uploaded, &view.seen, options);
+                }
+            }
             Finder::Basic(finder) => finder.start(gpu, casters, uploaded, &view.seen.camera, lights),
         }
         self.jobs.clear();
@@ -277,9 +320,10 @@ impl FoundShadows {
             }
             if let Some(scope) = &scope {
                 let (seen, casters) = (&view.seen, (casters, uploaded));
-                match &self.finder {
-                    Finder::Full(_) => {
-                        jobs::add(&mut self.jobs, plan, scope, casters, seen, (number, position), options);
+                match &mut self.finder {
+                    Finder::Full(finder) => {
+                        let smooth = finder.smooth.as_mut();
+                        jobs::add(&mut self.jobs, plan, scope, casters, seen, (number, position), options, smooth);
                     }
                     Finder::Basic(finder) => finder.add_draws(plan, scope, casters, seen, (number, &light), options),
                 }
@@ -309,6 +353,10 @@ impl FoundShadows {
                 Finder::Full(finder) => finder.drawn_with(),
                 Finder::Basic(finder) => Some(finder.drawn_with(number)),
             };
+            found.shadows.drawn_smooth = match &self.finder {
+                Finder::Full(finder) => finder.smooth.as_ref().and_then(SmoothFinder::drawn_with),
+                Finder::Basic(_) => None,
+            };
         }
         Ok(())
     }
@@ -323,6 +371,10 @@ impl FoundShadows {
             Finder::Full(finder) => finder.record(encoder, timer),
             Finder::Basic(finder) => finder.record(encoder, timer),
         }
+    }
+
+    fn smooth(&self) -> Option<&SmoothFinder> {
+        if let Finder::Full(finder) = &self.finder { finder.smooth.as_ref() } else { None }
     }
 
     /// The lights of the frame that was planned last, in order.
@@ -345,6 +397,7 @@ impl FoundLight {
                 loose: None,
                 smooth: [None, None],
                 drawn_with: None,
+                drawn_smooth: None,
                 report: LightReport {
                     casters: Vec::new(),
                     spheres: Vec::new(),
@@ -391,8 +444,22 @@ impl ShadowLight {
         self.report.batches = self.plan.batches.len();
     }
 
-    /// Whether some caster may overlap itself more often than the stencil can count, and so needs [`Shadows::draw_sums`].
+    /// How many sums must be drawn ([`Shadows::draw_sums`]): one of all casters that may overlap themselves more often than the stencil can count, if
+    /// there are any, and one of each smooth body whose silhouette was found on the GPU.
+    pub fn sum_count(&self) -> usize {
+        usize::from(!self.plan.summed.is_empty()) + self.plan.found_smooth.len()
+    }
+
+    /// Whether there are any sums.
     pub fn needs_sums(&self) -> bool {
-        !self.plan.summed.is_empty()
+        self.sum_count() > 0
+    }
+
+    fn sum(&self, i: usize) -> Option<Sum> {
+        let first_smooth = usize::from(!self.plan.summed.is_empty());
+        match i.checked_sub(first_smooth) {
+            None => Some(Sum::Triangles),
+            Some(i) => self.plan.found_smooth.get(i).copied().map(Sum::Smooth),
+        }
     }
 }

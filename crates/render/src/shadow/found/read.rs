@@ -1,9 +1,10 @@
 //! What was found, read back: for tests, and for whoever wants to see silhouettes. Drawing needs none of it.
 
+use glam::Vec3;
 use umbrae_core::{Case, Caster, SilhouetteEdge};
 
 use super::full::{FullFinder, RESULT_BYTES};
-use super::{Finder, FoundShadows};
+use super::{Finder, FoundShadows, FoundSmoothSilhouette};
 use crate::{CasterReport, Gpu, GpuError, ShadowLight, readback};
 
 /// What was found of one caster under one light.
@@ -34,6 +35,23 @@ impl FoundShadows {
         match &self.finder {
             Finder::Full(finder) => finder.read(gpu, casters, &self.jobs).await,
             Finder::Basic(finder) => finder.read(gpu, casters, &self.planned()).await,
+        }
+    }
+
+    /// What was found of smooth bodies. `positions` are where the vertices of `casters` are, caster by caster: [`crate::GpuPoser::positions`]. Waits for the GPU.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub async fn read_smooth(
+        &self,
+        gpu: &Gpu,
+        casters: &[Caster],
+        positions: &[Vec<Vec3>],
+    ) -> Result<Vec<FoundSmoothSilhouette>, GpuError> {
+        match self.smooth() {
+            Some(smooth) => smooth.read(gpu, casters, positions).await,
+            None => Ok(Vec::new()),
         }
     }
 
@@ -99,7 +117,7 @@ fn edges(caster: &Caster, entries: &[u32]) -> Vec<SilhouetteEdge> {
     entries.chunk_by(|a, b| a == b).map(edge).collect()
 }
 
-async fn words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>, GpuError> {
+pub(super) async fn words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>, GpuError> {
     let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("what was found, for reading"),
         size: buffer.size(),

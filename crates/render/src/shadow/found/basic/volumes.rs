@@ -28,7 +28,7 @@ pub(super) fn add(
                 continue;
             }
         };
-        let undecided = job(caster, uploaded.blocks[i], scope, &seen.camera, light, options);
+        let undecided = job((caster, caster.bounds), uploaded.blocks[i], scope, &seen.camera, light, options);
         // No triangle is looked at, and z-fail is always right.
         let zfail = if undecided.shows_light_cap { Case::Fail } else { Case::FailWithoutLightCap };
         let case = undecided.case.unwrap_or(zfail);
