@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{has_outside, is_flat};
+use super::normals::{face_normal, has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
@@ -44,9 +44,6 @@ pub struct SmoothBody {
     pub(super) creases: Vec<Crease>,
     pub(super) finder: NormalFinder,
     longest_edge_m: f64,
-    /// `triangles_of_wedge[first_triangle[w]..first_triangle[w + 1]]` have wedge `w`.
-    first_triangle: Vec<u32>,
-    triangles_of_wedge: Vec<u32>,
 }
 
 /// How an edge between wedges is bent.
@@ -56,7 +53,7 @@ enum Bend {
     Smooth,
     /// A crease, whose other side is this wedge edge.
     Crease(u32),
-    /// More than two triangles meet there, and nothing is known.
+    /// More than two triangles meet there, or one is folded over, and nothing is known.
     Straight,
 }
 
@@ -71,7 +68,6 @@ pub(super) struct Crease {
 /// One triangle at an edge of the caster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Side {
-    pub(super) triangle: u32,
     pub(super) edge: u32,
     /// +1 where the triangle walks from the edge's lower vertex to the higher, else -1.
     pub(super) direction: i32,
@@ -123,7 +119,8 @@ impl SmoothBody {
         }
         let split = Split::new(caster, normals);
         let wedges = split.caster(caster);
-        let (bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
+        let (mut bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
+        straighten_folds(&wedges, &mut bends);
         let finder = NormalFinder::new(&wedges, &split.normals);
         let Split { vertex_of_wedge, normals, .. } = split;
         let mut wedge_of_vertex = vec![0; caster.positions.len()];
@@ -132,19 +129,7 @@ impl SmoothBody {
         }
         let length_m = |e: &Edge| wedges.positions[e.low as usize].distance(wedges.positions[e.high as usize]);
         let longest_edge_m = wedges.topology.edges().iter().map(length_m).fold(0.0, f32::max).into();
-        let (first_triangle, triangles_of_wedge) = triangles_of_vertices(&wedges.mesh);
-        Ok(Self {
-            wedges,
-            vertex_of_wedge,
-            wedge_of_vertex,
-            normals,
-            bends,
-            creases,
-            finder,
-            longest_edge_m,
-            first_triangle,
-            triangles_of_wedge,
-        })
+        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
     }
 
     /// Where wedge `w` is, scene space.
@@ -159,12 +144,6 @@ impl SmoothBody {
 
     pub(super) fn normal(&self, w: u32) -> DVec3 {
         self.normals[w as usize].as_dvec3()
-    }
-
-    /// The triangles that have wedge `w`.
-    pub(super) fn triangles_at(&self, w: u32) -> &[u32] {
-        let [first, end] = [0, 1].map(|i| self.first_triangle[w as usize + i] as usize);
-        &self.triangles_of_wedge[first..end]
     }
 
     /// How far `light` is above the tangent plane of wedge `w`, times its distance if it has one: n.(l - v).
@@ -213,15 +192,6 @@ impl SmoothBody {
         }
     }
 
-    /// Wedge edge `e` as if it were a crease; `None` where it is one.
-    pub(super) fn seam(&self, e: usize) -> Option<Crease> {
-        if self.bends[e] != Bend::Smooth {
-            return None;
-        }
-        let sides = sides_of(&self.wedges.topology, &self.vertex_of_wedge, e as u32).collect();
-        Some(Crease { vertices: self.ends(e).map(|w| self.vertex_of_wedge[w as usize]), sides })
-    }
-
     /// The curve of wedge edge `e` if it is one side of a crease.
     pub(super) fn crease_curve(&self, e: usize) -> Option<Curve> {
         matches!(self.bends[e], Bend::Crease(_)).then(|| self.curve_of_edge(e))
@@ -250,7 +220,7 @@ impl SmoothBody {
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
             + edges * (size_of::<Bend>() + 94)
-            + self.wedges.mesh.triangles().len() * 70
+            + self.wedges.mesh.triangles().len() * 56
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
 }
@@ -260,28 +230,33 @@ fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator
     let edge = wedges.edges()[e as usize];
     let is_turned = vertex_of_wedge[edge.low as usize] > vertex_of_wedge[edge.high as usize];
     let turn = if is_turned { -1 } else { 1 };
-    let side = move |(t, direction)| Side { triangle: t as u32, edge: e, direction: turn * direction };
+    let side = move |(_, direction)| Side { edge: e, direction: turn * direction };
     wedges.triangles_on_edge(e as usize).map(side)
 }
 
-/// For each vertex where its triangles begin in a list of them, and the list.
-fn triangles_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
-    let mut first = vec![0; mesh.positions().len() + 1];
-    for &v in mesh.triangles().as_flattened() {
-        first[v as usize + 1] += 1;
+/// Makes the edges straight of triangles that are folded over: alone between creases, and turned by more than a right angle from a neighbour.
+///
+/// Those are slivers that a scanner or a decimation has left, as often as not. The normals of their sides are nearly opposite, so the curves of their edges may go
+/// anywhere: the silhouette of a sliver would be a hole in its neighbours.
+fn straighten_folds(wedges: &Caster, bends: &mut [Bend]) {
+    let triangle_on = |e: u32| wedges.topology.triangles_on_edge(e as usize).next().map(|(t, _)| t);
+    let creases: Vec<(usize, u32)> = (0..bends.len())
+        .filter_map(|e| if let Bend::Crease(other) = bends[e] { Some((e, other)) } else { None })
+        .collect();
+    let mut creases_of_triangle: FxHashMap<usize, u32> = FxHashMap::default();
+    let mut is_folded: FxHashMap<usize, bool> = FxHashMap::default();
+    for &(e, other) in &creases {
+        let (Some(t), Some(beyond)) = (triangle_on(e as u32), triangle_on(other)) else { continue };
+        *creases_of_triangle.entry(t).or_default() += 1;
+        *is_folded.entry(t).or_default() |= face_normal(wedges, t).dot(face_normal(wedges, beyond)) <= 0.0;
     }
-    for v in 1..first.len() {
-        first[v] += first[v - 1];
-    }
-    let mut next = first.clone();
-    let mut list = vec![0; 3 * mesh.triangles().len()];
-    for (corners, t) in mesh.triangles().iter().zip(0..) {
-        for &v in corners {
-            list[next[v as usize] as usize] = t;
-            next[v as usize] += 1;
+    for (e, other) in creases {
+        let Some(t) = triangle_on(e as u32) else { continue };
+        if creases_of_triangle.get(&t) == Some(&3) && is_folded.get(&t) == Some(&true) {
+            bends[e] = Bend::Straight;
+            bends[other as usize] = Bend::Straight;
         }
     }
-    (first, list)
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.

@@ -4,7 +4,7 @@
 //!   normals      one for each corner, given or computed, with creases
 //!   body         the mesh split at creases, once for all lights
 //!   curve        the cubic between two points with known normals
-//!   islands      small parts that are turned the wrong way
+//!   holes        what normals tear into the light cap by mistake
 //!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
@@ -15,7 +15,7 @@
 
 mod body;
 mod curve;
-mod islands;
+mod holes;
 mod normals;
 mod parts;
 mod precision;
