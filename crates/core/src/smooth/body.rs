@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use crate::{Bounds, Caster, Edge, LightPosition, Mesh, NormalFinder, Surface, Topology};
 
 use super::curve::Curve;
-use super::normals::{face_normal, has_outside, is_flat};
+use super::normals::{has_outside, is_flat};
 
 /// Normals closer than this are one: below what rounding to `f32` leaves of them.
 const SAME_NORMAL: f32 = 1e-5;
@@ -53,7 +53,7 @@ enum Bend {
     Smooth,
     /// A crease, whose other side is this wedge edge.
     Crease(u32),
-    /// More than two triangles meet there, or one is folded over, and nothing is known.
+    /// More than two triangles meet there, and nothing is known.
     Straight,
 }
 
@@ -119,8 +119,7 @@ impl SmoothBody {
         }
         let split = Split::new(caster, normals);
         let wedges = split.caster(caster);
-        let (mut bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
-        straighten_folds(&wedges, &mut bends);
+        let (bends, creases) = find_creases(caster, &wedges.topology, &split.vertex_of_wedge);
         let finder = NormalFinder::new(&wedges, &split.normals);
         let Split { vertex_of_wedge, normals, .. } = split;
         let mut wedge_of_vertex = vec![0; caster.positions.len()];
@@ -232,31 +231,6 @@ fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> impl Iterator
     let turn = if is_turned { -1 } else { 1 };
     let side = move |(_, direction)| Side { edge: e, direction: turn * direction };
     wedges.triangles_on_edge(e as usize).map(side)
-}
-
-/// Makes the edges straight of triangles that are folded over: alone between creases, and turned by more than a right angle from a neighbour.
-///
-/// Those are slivers that a scanner or a decimation has left, as often as not. The normals of their sides are nearly opposite, so the curves of their edges may go
-/// anywhere: the silhouette of a sliver would be a hole in its neighbours.
-fn straighten_folds(wedges: &Caster, bends: &mut [Bend]) {
-    let triangle_on = |e: u32| wedges.topology.triangles_on_edge(e as usize).next().map(|(t, _)| t);
-    let creases: Vec<(usize, u32)> = (0..bends.len())
-        .filter_map(|e| if let Bend::Crease(other) = bends[e] { Some((e, other)) } else { None })
-        .collect();
-    let mut creases_of_triangle: FxHashMap<usize, u32> = FxHashMap::default();
-    let mut is_folded: FxHashMap<usize, bool> = FxHashMap::default();
-    for &(e, other) in &creases {
-        let (Some(t), Some(beyond)) = (triangle_on(e as u32), triangle_on(other)) else { continue };
-        *creases_of_triangle.entry(t).or_default() += 1;
-        *is_folded.entry(t).or_default() |= face_normal(wedges, t).dot(face_normal(wedges, beyond)) <= 0.0;
-    }
-    for (e, other) in creases {
-        let Some(t) = triangle_on(e as u32) else { continue };
-        if creases_of_triangle.get(&t) == Some(&3) && is_folded.get(&t) == Some(&true) {
-            bends[e] = Bend::Straight;
-            bends[other as usize] = Bend::Straight;
-        }
-    }
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.
