@@ -54,9 +54,9 @@ struct Bands {
 }
 
 /// Of the pixels that are dark, so few stray.
-const MOST_STRAYS: f64 = 3e-4;
+const MOST_STRAYS: f64 = 1e-4;
 /// Strays on the screen are slivers, so thick at most, in halves of the shadow's size.
-const THICKEST: f64 = 0.03;
+const THICKEST: f64 = 0.025;
 
 /// How two shadows differ on the screen, over all lights.
 #[derive(Debug, Clone, Copy, Default)]

@@ -50,9 +50,6 @@ pub struct SmoothBody {
     /// None where the body has moved: then each wedge and edge is looked at.
     pub(super) finder: Option<NormalFinder>,
     pub(super) longest_edge_m: f64,
-    /// `triangles_of_wedge[first_triangle[w]..first_triangle[w + 1]]` have wedge `w`.
-    first_triangle: Vec<u32>,
-    triangles_of_wedge: Vec<u32>,
 }
 
 /// How an edge between wedges is bent.
@@ -137,19 +134,7 @@ impl SmoothBody {
             wedge_of_vertex[v as usize] = w;
         }
         let longest_edge_m = longest_edge_m(&wedges);
-        let (first_triangle, triangles_of_wedge) = triangles_of_vertices(&wedges.mesh);
-        Ok(Self {
-            wedges,
-            vertex_of_wedge,
-            wedge_of_vertex,
-            normals,
-            bends,
-            creases,
-            finder,
-            longest_edge_m,
-            first_triangle,
-            triangles_of_wedge,
-        })
+        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
     }
 
     /// Where wedge `w` is, scene space.
@@ -164,12 +149,6 @@ impl SmoothBody {
 
     pub(super) fn normal(&self, w: u32) -> DVec3 {
         self.normals[w as usize].as_dvec3()
-    }
-
-    /// The triangles that have wedge `w`.
-    pub(super) fn triangles_at(&self, w: u32) -> &[u32] {
-        let [first, end] = [0, 1].map(|i| self.first_triangle[w as usize + i] as usize);
-        &self.triangles_of_wedge[first..end]
     }
 
     /// How far `light` is above the tangent plane of wedge `w`, times its distance if it has one: n.(l - v).
@@ -218,15 +197,6 @@ impl SmoothBody {
         }
     }
 
-    /// Wedge edge `e` as if it were a crease; `None` where it is one.
-    pub(super) fn seam(&self, e: usize) -> Option<Crease> {
-        if self.bends[e] != Bend::Smooth {
-            return None;
-        }
-        let sides = sides_of(&self.wedges.topology, &self.vertex_of_wedge, e as u32).collect();
-        Some(Crease { vertices: self.ends(e).map(|w| self.vertex_of_wedge[w as usize]), sides })
-    }
-
     /// The curve of wedge edge `e` if it is one side of a crease.
     pub(super) fn crease_curve(&self, e: usize) -> Option<Curve> {
         matches!(self.bends[e], Bend::Crease(_)).then(|| self.curve_of_edge(e))
@@ -254,7 +224,7 @@ impl SmoothBody {
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
             + edges * (size_of::<Bend>() + if self.finder.is_some() { 94 } else { 24 })
-            + self.wedges.mesh.triangles().len() * 70
+            + self.wedges.mesh.triangles().len() * 56
             + self.creases.len() * (size_of::<Crease>() + 16)
     }
 }
@@ -272,26 +242,6 @@ pub(super) fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> im
     let turn = if is_turned { -1 } else { 1 };
     let side = move |(t, direction)| Side { triangle: t as u32, edge: e, direction: turn * direction };
     wedges.triangles_on_edge(e as usize).map(side)
-}
-
-/// For each vertex where its triangles begin in a list of them, and the list.
-fn triangles_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
-    let mut first = vec![0; mesh.positions().len() + 1];
-    for &v in mesh.triangles().as_flattened() {
-        first[v as usize + 1] += 1;
-    }
-    for v in 1..first.len() {
-        first[v] += first[v - 1];
-    }
-    let mut next = first.clone();
-    let mut list = vec![0; 3 * mesh.triangles().len()];
-    for (corners, t) in mesh.triangles().iter().zip(0..) {
-        for &v in corners {
-            list[next[v as usize] as usize] = t;
-            next[v as usize] += 1;
-        }
-    }
-    (first, list)
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.

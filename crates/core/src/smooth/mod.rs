@@ -6,7 +6,7 @@
 //!   posed        the same body where its caster has moved to
 //!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
-//!   islands      small parts that are turned the wrong way
+//!   holes        what normals tear into the light cap by mistake
 //!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
@@ -17,7 +17,7 @@
 
 mod body;
 mod curve;
-mod islands;
+mod holes;
 mod normals;
 mod parts;
 mod posed;

@@ -189,6 +189,7 @@ fn a_normal_that_is_turned_away_tears_no_hole_into_the_shadow() {
             let behind = towards * -2.0 + DVec3::splat(1e-3);
             let count = flat.count_to_infinity(&positions, light, behind, DVec3::new(0.3, 0.2, 0.1));
             assert_eq!(count, Some(1), "{light:?}, {smoothness:?}");
+            assert_eq!(volume.loops().len(), 1);
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, ne
 
 use super::body::{Crease, Side, SmoothBody};
 use super::curve::Curve;
-use super::islands::Islands;
+use super::holes::{self, HoleScratch};
 use super::precision::Precision;
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
@@ -35,9 +35,6 @@ pub(super) const MOST_INSET: f64 = 2e-3;
 
 /// With a cosine to the light below this, a triangle may be turned away for all that `f32` can tell.
 const EDGE_ON: f32 = 1e-5;
-
-/// How much of a triangle's area may be turned the wrong way.
-const UNSOUND: f64 = 0.05;
 
 /// So often a crossing is improved.
 const STEPS: u32 = 3;
@@ -62,8 +59,6 @@ pub struct SmoothVolume {
     pub faces: Vec<[u32; 3]>,
     /// Vertices of the caster that are among the points, and which they are.
     pub vertices: Vec<(u32, u32)>,
-    /// Triangles that are taken for flat, ascending, and whether they face the light; see [`Maker::is_sound`].
-    flat: Vec<(u32, bool)>,
     /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
     turned: Vec<i8>,
 }
@@ -77,7 +72,7 @@ pub struct SmoothScratch {
     crossing_of_edge: Vec<u32>,
     point_of_vertex: Vec<u32>,
     curve: Vec<u32>,
-    islands: Islands,
+    holes: HoleScratch,
 }
 
 const NONE: u32 = u32::MAX;
@@ -118,21 +113,15 @@ impl SmoothVolume {
         self.sides.clear();
         self.faces.clear();
         self.vertices.clear();
-        self.flat.clear();
         body.find(light, &mut self.turned, &mut scratch.found);
-        scratch.islands.settle(body, light, &mut self.turned, &mut scratch.found);
         scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
         scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
         scratch.crossings.clear();
         let found = std::mem::take(&mut scratch.found);
         let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
         maker.add_triangles(&found);
-        maker.volume.flat.sort_unstable();
         for crease in &body.creases {
             maker.add_crease(crease);
-        }
-        for crease in maker.seams() {
-            maker.add_crease(&crease);
         }
         for crossing in &scratch.crossings {
             scratch.crossing_of_edge[crossing.edge as usize] = NONE;
@@ -141,13 +130,11 @@ impl SmoothVolume {
             scratch.point_of_vertex[vertex as usize] = NONE;
         }
         scratch.found = found;
+        holes::fill(self, light, &mut scratch.holes);
     }
 
-    /// Whether triangle `t` is in the light cap: any of its corners is turned to the light, or it is taken for flat and faces it.
+    /// Whether triangle `t` is in the light cap: any of its corners is turned to the light.
     fn is_in_cap(&self, body: &SmoothBody, t: usize) -> bool {
-        if let Ok(i) = self.flat.binary_search_by_key(&(t as u32), |flat| flat.0) {
-            return self.flat[i].1;
-        }
         body.wedges.mesh.triangles()[t].iter().any(|&w| self.turned[w as usize] > 0)
     }
 
@@ -277,15 +264,6 @@ impl Maker<'_> {
         // The edge that is not crossed, in the direction of the curve.
         let beside = [if has_two_turned { first } else { second }, third];
         self.add_curve(a, b, beside);
-        let dark_corners = if has_two_turned { vec![second] } else { vec![second, third] };
-        let lit_corners = if has_two_turned { vec![third, first] } else { vec![first] };
-        let [p, q, r] = corners.map(|w| self.body.place(w));
-        let area = (q - p).cross(r - p);
-        if !self.is_sound(&lit_corners, &dark_corners, area.length()) {
-            let is_facing = area.dot(self.light.offset_from((p + q + r) / 3.0)) > 0.0;
-            self.volume.flat.push((t as u32, is_facing));
-            return;
-        }
         let dark = [third, second].map(|w| self.vertex(self.body.vertex_of_wedge[w as usize]));
         // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
         let foot = a.q;
@@ -300,46 +278,6 @@ impl Maker<'_> {
         } else {
             self.volume.faces.extend([[foot, b.q, dark[0]], [foot, dark[0], dark[1]]]);
         }
-    }
-
-    /// Whether the part of a triangle on the lit side of the scratch's curve shows the light its front, and the other its back, as the curved surface does that has
-    /// the curve for its silhouette.
-    ///
-    /// A triangle that is thin or beside a crease may not be bent as far as its normals say. Its lit part would then count -1 where another counts 1, and light
-    /// would leak through. Such a triangle is taken for flat, with its edges for creases.
-    fn is_sound(&self, lit_corners: &[u32], dark_corners: &[u32], area: f64) -> bool {
-        let place = |&p: &u32| self.volume.points[p as usize].as_dvec3();
-        let curve = || self.scratch.curve.iter().map(place);
-        let corners = |corners: &[u32]| corners.iter().map(|&w| self.body.place(w)).collect::<Vec<_>>();
-        let (lit, dark) = (corners(lit_corners), corners(dark_corners));
-        let origin = lit[0];
-        let to_light = self.light.offset_from(origin);
-        let seen = |corners: &mut dyn Iterator<Item = DVec3>| {
-            let mut last = None;
-            let mut sum = DVec3::ZERO;
-            for p in corners.map(|p| p - origin) {
-                sum += last.map_or(DVec3::ZERO, |last: DVec3| last.cross(p));
-                last = Some(p);
-            }
-            sum.dot(to_light)
-        };
-        // The curve goes from the exit to the entry, with what is lit to its left; each polygon is closed by its first corner.
-        let lit_area = seen(&mut lit[lit.len() - 1..].iter().copied().chain(curve()).chain(lit.iter().copied()));
-        let dark_area = seen(&mut dark[..1].iter().copied().chain(curve()).chain(dark.iter().rev().copied()));
-        lit_area.min(dark_area) >= -UNSOUND * area * to_light.length()
-    }
-
-    /// The edges of triangles that are taken for flat over which the surface goes on, as if they were creases.
-    fn seams(&self) -> Vec<Crease> {
-        let topology = &self.body.wedges.topology;
-        let edges_of = |&(t, _): &(u32, bool)| {
-            let [a, b, c] = self.body.wedges.mesh.triangles()[t as usize];
-            [[a, b], [b, c], [c, a]].map(|[from, to]| topology.edge_between(from, to))
-        };
-        let mut edges: Vec<usize> = self.volume.flat.iter().flat_map(edges_of).flatten().collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges.into_iter().filter_map(|e| self.body.seam(e)).collect()
     }
 
     /// The points from `a` to `b`, both with, become the scratch's curve; `beside` are the ends of the third edge of their triangle.
@@ -435,10 +373,7 @@ impl Maker<'_> {
 
     /// Whether the ends of an edge, the lower vertex first, are lit on that side of it.
     fn lit_ends(&self, side: &Side) -> [bool; 2] {
-        match self.volume.flat.binary_search_by_key(&side.triangle, |flat| flat.0) {
-            Ok(i) => [self.volume.flat[i].1; 2],
-            Err(_) => self.body.ends(side.edge as usize).map(|w| self.is_turned(w)),
-        }
+        self.body.ends(side.edge as usize).map(|w| self.is_turned(w))
     }
 
     /// What is lit on one side of a crease and not on the other: its part of the silhouette runs along the crease.
