@@ -19,6 +19,8 @@
 //! each fin, where the paper has a strip to a point of the accurate silhouette for each one of the smooth. The paper's offset of 0.15 against light leaks
 //! is here a part of the edge's length, and of the fold alone: the smooth silhouette stays where it is.
 
+use std::cell::RefCell;
+
 use glam::{DVec3, Vec3};
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, needs_light_cap};
@@ -75,6 +77,11 @@ pub struct SmoothScratch {
     holes: HoleScratch,
 }
 
+thread_local! {
+    /// Its tables are as large as meshes, and what is left in them is nothing: each thread keeps one.
+    static SCRATCH: RefCell<SmoothScratch> = RefCell::default();
+}
+
 const NONE: u32 = u32::MAX;
 
 /// Where the silhouette crosses a wedge edge.
@@ -97,7 +104,7 @@ impl SmoothVolume {
     /// Linear in the number of silhouette edges but for the search, which is [`crate::NormalFinder`]'s, and one look at each vertex and crease.
     pub fn new(body: &SmoothBody, light: LightPosition, smoothness: &Smoothness) -> Self {
         let mut volume = Self::default();
-        volume.make(body, light, smoothness, &mut SmoothScratch::default());
+        SCRATCH.with_borrow_mut(|scratch| volume.make(body, light, smoothness, scratch));
         volume
     }
 
@@ -241,7 +248,7 @@ impl Maker<'_> {
     fn add_triangles(&mut self, found: &[[u32; 2]]) {
         for &[turned, other] in found {
             let topology = &self.body.wedges.topology;
-            let Some(e) = topology.edge_between(turned, other) else { continue };
+            let Some(e) = self.body.edge_between(turned, other) else { continue };
             let is_upward = turned < other;
             for (t, direction) in topology.triangles_on_edge(e) {
                 // Each triangle that the silhouette crosses is left by it once, over an edge that goes from light to dark.
@@ -259,7 +266,7 @@ impl Maker<'_> {
         let [first, second, third] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
         let has_two_turned = self.is_turned(third);
         let entry = if has_two_turned { [second, third] } else { [third, first] };
-        let entry = self.body.wedges.topology.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
+        let entry = self.body.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
         let (a, b) = (self.crossing(exit), self.crossing(entry));
         // The edge that is not crossed, in the direction of the curve.
         let beside = [if has_two_turned { first } else { second }, third];
@@ -302,7 +309,7 @@ impl Maker<'_> {
 
     /// The curve between two wedges, from the first to the second, if that is a crease.
     fn crease_beside(&self, [from, to]: [u32; 2]) -> Option<Curve> {
-        let e = self.body.wedges.topology.edge_between(from, to)?;
+        let e = self.body.edge_between(from, to)?;
         let curve = self.body.crease_curve(e)?;
         Some(if self.body.ends(e)[0] == from { curve } else { curve.reversed() })
     }

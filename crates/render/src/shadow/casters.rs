@@ -203,18 +203,18 @@ impl ShadowCasters {
 fn volume_vertices(casters: &[Caster]) -> Vec<VolumeVertex> {
     let mut vertices = Vec::new();
     for caster in casters {
-        add_block(&mut vertices, &caster.bounds, &caster.positions);
+        add_block(&mut vertices, &caster.bounds, &caster.positions, true);
     }
     vertices
 }
 
-/// Adds the vertices of one block: of what has `positions` in `bounds`.
-pub(super) fn add_block(vertices: &mut Vec<VolumeVertex>, bounds: &Bounds, positions: &[Vec3]) -> Block {
+/// Adds the vertices of one block: of what has `positions` in `bounds`. Without copies at infinity if nothing names any but that of the middle.
+pub(super) fn add_block(vertices: &mut Vec<VolumeVertex>, bounds: &Bounds, positions: &[Vec3], has_far: bool) -> Block {
     let block = Block { first_vertex: vertices.len() as u32, position_count: positions.len() as u32 };
     vertices.extend(AXES.map(|axis| axis.as_vec3().extend(2.0).to_array()));
     vertices.push(middle(bounds));
-    for extruded in [0.0, 1.0] {
-        vertices.extend(positions.iter().map(|p| p.extend(extruded).to_array()));
+    for extruded in if has_far { &[0.0, 1.0][..] } else { &[0.0] } {
+        vertices.extend(positions.iter().map(|p| p.extend(*extruded).to_array()));
     }
     block
 }

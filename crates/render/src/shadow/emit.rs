@@ -101,8 +101,8 @@ pub(super) fn emit(
 pub(super) fn sides(block: Block, edges: &[[u32; 2]], light: LightPosition) -> Vec<[u32; 3]> {
     let (near, far) = (|i| block.near(i), |i| block.far(i));
     if light.is_directional() {
-        // All copies at infinity are one point.
-        return edges.iter().map(|&[a, b]| [near(a), far(a), near(b)]).collect();
+        // All copies at infinity are one point, and so is that of the middle.
+        return edges.iter().map(|&[a, b]| [near(a), Block::MIDDLE, near(b)]).collect();
     }
     let quad = |&[a, b]: &[u32; 2]| {
         // The diagonal starts at the lower vertex, so that quads of one edge that run both ways cancel exactly.

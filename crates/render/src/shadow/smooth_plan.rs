@@ -110,7 +110,7 @@ impl SmoothPlanner<'_> {
         let is_fan = is_capped && is_fan_narrow(bounds, light);
         let chain = (*case == Case::Fail || (is_capped && !is_fan)).then(|| volume.chain(self.body));
 
-        let block = add_block(&mut plan.smooth_vertices, bounds, &volume.points);
+        let block = add_block(&mut plan.smooth_vertices, bounds, &volume.points, !light.is_directional());
         let mut triangles = sides(block, &volume.sides, light);
         let faces = report.faces_mut();
         faces.silhouette_edges = volume.sides.len();
