@@ -302,6 +302,7 @@ pub(crate) mod tests {
                 triangle_edges,
                 triangle_count,
                 edges,
+                edge_triangles,
                 bends,
                 edge_count,
                 creases,
@@ -313,8 +314,7 @@ pub(crate) mod tests {
                 sides,
                 faces,
                 caps,
-                edge_triangles,
-                flats,
+                unused,
             ]
         );
         assert_eq!(size_of::<SmoothJobSlot>(), 256, "the largest offset that a device may ask for");

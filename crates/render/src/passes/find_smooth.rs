@@ -33,6 +33,7 @@ pub(crate) struct SmoothJobUniform {
     pub(crate) triangle_edges: u32,
     pub(crate) triangle_count: u32,
     pub(crate) edges: u32,
+    pub(crate) edge_triangles: u32,
     pub(crate) bends: u32,
     pub(crate) edge_count: u32,
     pub(crate) creases: u32,
@@ -44,8 +45,7 @@ pub(crate) struct SmoothJobUniform {
     pub(crate) sides: u32,
     pub(crate) faces: u32,
     pub(crate) caps: u32,
-    pub(crate) edge_triangles: u32,
-    pub(crate) flats: u32,
+    pub(crate) unused: u32,
 }
 
 /// Bits of [`SmoothJobUniform::flags`].
@@ -77,15 +77,8 @@ pub(crate) fn smooth_job_offset(number: u32) -> u32 {
 const GROUP_SIZE: u32 = 64;
 
 /// The steps of finding, in order.
-const STEPS: [&str; 7] = [
-    "find_normals",
-    "find_heights",
-    "find_crossings",
-    "find_faces",
-    "find_creases",
-    "find_seams",
-    "find_smooth_arguments",
-];
+const STEPS: [&str; 6] =
+    ["find_normals", "find_heights", "find_crossings", "find_faces", "find_creases", "find_smooth_arguments"];
 
 /// Finds the smooth silhouettes of all lights of a frame.
 ///
@@ -162,7 +155,7 @@ impl FindSmoothPass {
             pass.set_pipeline(pipeline);
             for (number, job) in (0..).zip(jobs) {
                 let SmoothAmounts { moved_wedges, wedges, edges, triangles, creases } = *job;
-                let threads = [moved_wedges, wedges, edges, triangles, creases, edges, 1][step];
+                let threads = [moved_wedges, wedges, edges, triangles, creases, 1][step];
                 if threads > 0 {
                     let [across, down] = groups(self.most_groups, threads.div_ceil(GROUP_SIZE));
                     pass.set_bind_group(0, group, &[smooth_job_offset(number)]);

@@ -1,6 +1,6 @@
 // Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` (of bodies that have moved), `find_heights`,
-// `find_crossings`, `find_faces`, `find_creases`, `find_seams`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture of
-// them. Needs smooth_job.wgsl, near.wgsl and curve.wgsl.
+// `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture of them.
+// Needs smooth_job.wgsl, near.wgsl and curve.wgsl.
 //
 // Whether a wedge is turned to the light is decided once, by the sign of a height that is stored, and a crossing is made once for each edge between
 // wedges; triangles only name them. So neighbours walk the same points, bit for bit, and the volume is closed whatever the rounding.
@@ -43,8 +43,6 @@ const NEARLY_PARALLEL: f32 = 1e-3;
 const MOST_INWARD: f32 = 0.2;
 // So that nothing is divided by 0.
 const SMALLEST: f32 = 1e-37;
-// `core/src/smooth/volume.rs`.
-const UNSOUND: f32 = 0.05;
 const NO_BEND: u32 = 0xFFFFFFFFu;
 // `core/src/smooth/precision.rs`.
 const LEAST_SINE: f32 = 0.05;
@@ -371,40 +369,6 @@ fn crossed_place(it: Crossed, i: u32) -> vec3f {
     return curve_at(it.curve, u) + curve_bulge(it.beside, u) * mix(it.nearness.x, it.nearness.y, u);
 }
 
-// Whether the lit part of the triangle shows the light its front, and the other its back: `SmoothVolume` says why. One that does not is taken for flat.
-fn is_sound(t: u32, k: u32, it: Crossed) -> bool {
-    let first = place_of_wedge(wedge_of_corner(3u * t + k));
-    let second = place_of_wedge(wedge_of_corner(3u * t + (k + 1u) % 3u));
-    let third_wedge = wedge_of_corner(3u * t + (k + 2u) % 3u);
-    let third = place_of_wedge(third_wedge);
-    let has_two_turned = is_turned(third_wedge);
-    // From a lit corner; polygons go from there to the exit, along the curve, and back over their corners.
-    let origin = select(first, third, has_two_turned);
-    let light = to_light(origin);
-    var along = vec3f(0.0);
-    var last = crossed_place(it, 0u) - origin;
-    let exit = last;
-    for (var i = 1u; i <= it.cut.pieces; i++) {
-        let here = crossed_place(it, i) - origin;
-        along += cross(last, here);
-        last = here;
-    }
-    var lit = along;
-    var dark = along;
-    let a = first - origin;
-    let b = second - origin;
-    let c = third - origin;
-    if has_two_turned {
-        lit += cross(last, c) + cross(c, a) + cross(a, exit);
-        dark += cross(last, b) + cross(b, exit);
-    } else {
-        lit += cross(last, a) + cross(a, exit);
-        dark += cross(last, c) + cross(c, b) + cross(b, exit);
-    }
-    let area = length(cross(second - first, third - first));
-    return min(dot(lit, light), dot(dark, light)) >= -UNSOUND * area * length(light);
-}
-
 // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
 fn add_crossed(t: u32, k: u32, it: Crossed) {
     let second = wedge_of_corner(3u * t + (k + 1u) % 3u);
@@ -436,31 +400,6 @@ fn add_crossed(t: u32, k: u32, it: Crossed) {
     }
 }
 
-// Of triangles that are taken for flat, whether they face the light.
-const FLAT_DARK: u32 = 1u;
-const FLAT_LIT: u32 = 2u;
-
-fn flatness(t: u32) -> u32 {
-    return lists[job.flats + t];
-}
-
-// Where more triangles meet than two, nothing could close a flat one.
-fn may_be_flat(t: u32) -> bool {
-    for (var k = 0u; k < 3u; k++) {
-        if tables[job.bends + tables[job.triangle_edges + 3u * t + k]] == NO_BEND {
-            return false;
-        }
-    }
-    return true;
-}
-
-fn faces_light(t: u32) -> bool {
-    let a = place_of_wedge(wedge_of_corner(3u * t));
-    let b = place_of_wedge(wedge_of_corner(3u * t + 1u));
-    let c = place_of_wedge(wedge_of_corner(3u * t + 2u));
-    return dot(cross(b - a, c - a), to_light((a + b + c) / 3.0)) > 0.0;
-}
-
 var<workgroup> cap_count: atomic<u32>;
 var<workgroup> first_cap: u32;
 
@@ -485,18 +424,7 @@ fn find_faces(
             }
         }
     }
-    var it: Crossed;
-    var flat = 0u;
-    if k < 3u {
-        it = crossed(t, k);
-        if may_be_flat(t) && !is_sound(t, k, it) {
-            flat = select(FLAT_DARK, FLAT_LIT, faces_light(t));
-        }
-    }
-    if t < job.triangle_count {
-        lists[job.flats + t] = flat;
-    }
-    let is_in_cap = turned != 0u && flat != FLAT_DARK;
+    let is_in_cap = turned != 0u;
     var place = 0u;
     if is_in_cap && (job.flags & NEEDS_CAPS) != 0u {
         place = atomicAdd(&cap_count, 1u);
@@ -517,8 +445,8 @@ fn find_faces(
         place_of_wedge(wedge_of_corner(3u * t + 1u)),
         place_of_wedge(wedge_of_corner(3u * t + 2u)),
     );
-    if k < 3u && flat == 0u {
-        add_crossed(t, k, it);
+    if k < 3u {
+        add_crossed(t, k, crossed(t, k));
     }
 }
 
@@ -597,23 +525,15 @@ fn lit_of(e: u32, turned: u32, low: u32, high: u32) -> Lit {
     return lit;
 }
 
-// Which ends of edge `e` are turned to the light on the side of triangle `t`: 1 for the lower, 2 for the higher.
-fn turned_ends(e: u32, t: u32) -> u32 {
-    let flat = flatness(t);
-    if flat != 0u {
-        return select(0u, 3u, flat == FLAT_LIT);
-    }
+// Which ends of edge `e` are turned to the light: 1 for the lower, 2 for the higher.
+fn turned_ends(e: u32) -> u32 {
     let ends = ends_of_edge(e);
     return select(0u, 1u, is_turned(ends.x)) + select(0u, 2u, is_turned(ends.y));
 }
 
-// What is lit on one side of a crease and not on the other. `edges` are that whose triangle walks from the vertex `low` to `high`, and the other side's, which may
-// be the same.
+// What is lit on one side of a crease and not on the other. `edges` are that whose triangle walks from the vertex `low` to `high`, and the other side's.
 fn add_crease(low: u32, high: u32, edges: vec2u) {
-    let turned = vec2u(
-        turned_ends(edges.x, tables[job.edge_triangles + 2u * edges.x]),
-        turned_ends(edges.y, tables[job.edge_triangles + 2u * edges.y + 1u]),
-    );
+    let turned = vec2u(turned_ends(edges.x), turned_ends(edges.y));
     if turned.x == turned.y && (turned.x == 0u || turned.x == 3u) {
         return;
     }
@@ -651,20 +571,6 @@ fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         let crease = job.creases + 4u * number;
         let edges = vec2u(tables[crease + 2u], tables[crease + 3u]);
         add_crease(VERTEX | tables[crease], VERTEX | tables[crease + 1u], edges);
-    }
-}
-
-// Edges over which the surface goes on, but for a triangle that is taken for flat.
-@compute @workgroup_size(64)
-fn find_seams(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let e = thread(id, groups);
-    if e >= job.edge_count || tables[job.bends + e] != e {
-        return;
-    }
-    let triangles = vec2u(tables[job.edge_triangles + 2u * e], tables[job.edge_triangles + 2u * e + 1u]);
-    if flatness(triangles.x) != 0u || flatness(triangles.y) != 0u {
-        let ends = ends_of_edge(e);
-        add_crease(VERTEX | tables[job.vertices + ends.x], VERTEX | tables[job.vertices + ends.y], vec2u(e, e));
     }
 }
 

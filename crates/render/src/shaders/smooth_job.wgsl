@@ -32,6 +32,8 @@ struct SmoothJob {
     triangle_edges: u32,
     triangle_count: u32,
     edges: u32,
+    // Two of each edge.
+    edge_triangles: u32,
     bends: u32,
     edge_count: u32,
     creases: u32,
@@ -44,9 +46,7 @@ struct SmoothJob {
     sides: u32,
     faces: u32,
     caps: u32,
-    // In `tables` and in `lists`.
-    edge_triangles: u32,
-    flats: u32,
+    unused: u32,
 }
 
 // Silhouettes are moved onto curves, and cut.

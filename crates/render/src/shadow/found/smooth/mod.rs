@@ -7,12 +7,11 @@
 //!            find_crossings          each edge between wedges: a point of the silhouette
 //!            find_faces              each triangle: light cap, fold, fin and side
 //!            find_creases            each crease: the side along it, and the cone that closes it
-//!            find_seams              the same of edges of triangles that are taken for flat
 //!            find_smooth_arguments   z-pass or z-fail, and how much is drawn
 //! ```
 //!
-//! The same volume as [`umbrae_core::SmoothVolume`], within rounding, but for small islands of light or dark that are turned the wrong way, which the CPU gives to what is
-//! around them. Everything is taken from one table of heights and one of crossings, so that it is closed.
+//! The same volume as [`umbrae_core::SmoothVolume`], within rounding, but for short silhouettes that wind backward: the CPU takes them out where the light cap
+//! is whole without them, and here they stay. Everything is taken from one table of heights and one of crossings, so that it is closed.
 //! There is room for a silhouette through every triangle and along every crease, uncut, and for [`inner_room`] points besides that cut its pieces;
 //! what would need more is left uncut: coarser there, and as closed.
 //!
@@ -53,10 +52,8 @@ pub(crate) const SMOOTH_RESULT_BYTES: u64 = 32 + 16 * SmoothShape::ALL.len() as 
 
 /// Points of each crossing.
 const CROSSING_POINTS: u64 = 3;
-/// Of a crossed triangle, with one side: fin, its end, and two of the fold. One that is taken for flat has none itself, but each of its three edges may have
-/// three, and a side: the way of what is beside it to the silhouette and back, and a run.
-const FACES_OF_TRIANGLE: u64 = 9;
-const SIDES_OF_TRIANGLE: u64 = 3;
+/// Of a crossed triangle, with one side: fin, its end, and two of the fold.
+const FACES_OF_TRIANGLE: u64 = 4;
 /// Of a crease: two for each side's way to the silhouette and back, and one for each of two runs.
 const FACES_OF_CREASE: u64 = 6;
 const SIDES_OF_CREASE: u64 = 2;
@@ -403,6 +400,7 @@ fn uniform(
         triangle_edges: body.triangle_edges,
         triangle_count: body.triangle_count,
         edges: body.edges,
+        edge_triangles: body.edge_triangles,
         bends: body.bends,
         edge_count: body.edge_count,
         creases: body.creases,
@@ -411,10 +409,9 @@ fn uniform(
         heights: take(&mut lengths.heights, body.wedge_count.into()),
         crossings: take(&mut lengths.points, CROSSING_POINTS * u64::from(body.edge_count)),
         inner: take(&mut lengths.points, inner),
-        sides: take(&mut lengths.list, 2 * (SIDES_OF_TRIANGLE * triangles + SIDES_OF_CREASE * creases + inner)),
+        sides: take(&mut lengths.list, 2 * (triangles + SIDES_OF_CREASE * creases + inner)),
         faces: take(&mut lengths.list, 3 * (FACES_OF_TRIANGLE * triangles + FACES_OF_CREASE * creases + inner)),
         caps: take(&mut lengths.list, if job.needs_caps() { triangles } else { 0 }),
-        edge_triangles: body.edge_triangles,
-        flats: take(&mut lengths.list, triangles),
+        unused: 0,
     }
 }
