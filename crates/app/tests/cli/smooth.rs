@@ -44,8 +44,8 @@ fn differing(a: &[u8], b: &[u8]) -> usize {
 #[test]
 fn a_ball_of_eighty_triangles_casts_the_shadow_of_a_round_one() {
     let place = Place::new();
-    let coarse = place.file("coarse.obj", &ball(1));
-    let fine = place.file("fine.obj", &ball(5));
+    let coarse = place.file("coarse.obj", ball(1));
+    let fine = place.file("fine.obj", ball(5));
     let round = mask(&place, &fine, &[]);
     let dark = round.iter().filter(|&&verdict| verdict == 0).count();
     assert!((8_000..32_000).contains(&dark), "{dark} of 40,000 pixels are dark");
@@ -58,7 +58,7 @@ fn a_ball_of_eighty_triangles_casts_the_shadow_of_a_round_one() {
 #[test]
 fn an_outline_is_cut_finer_where_that_is_asked_for() {
     let place = Place::new();
-    let coarse = place.file("coarse.obj", &ball(1));
+    let coarse = place.file("coarse.obj", ball(1));
     let report = |more: &[&str]| -> Value {
         let all =
             [&["render", &coarse, "-o", "out/x.png", "--json", "out/x.json", "--smooth"], &VIEW[..], more].concat();
@@ -99,7 +99,7 @@ fn what_has_no_curves_is_drawn_as_ever() {
 #[test]
 fn contours_are_three_lines_of_smooth_objects_alone() {
     let place = Place::new();
-    let model = place.file("coarse.obj", &ball(1));
+    let model = place.file("coarse.obj", ball(1));
     let all =
         ["render", &model, "-o", "out/x.png", "--size", "320x240", "--smooth", "--show", "contours", "--json", "-"];
     let run = place.umbrae(&all).success();
@@ -114,7 +114,7 @@ fn contours_are_three_lines_of_smooth_objects_alone() {
 #[test]
 fn options_that_can_not_be_are_refused() {
     let place = Place::new();
-    let model = place.file("coarse.obj", &ball(0));
+    let model = place.file("coarse.obj", ball(0));
     let refuses =
         |more: &[&str], words: &[&str]| place.refuses(&[&["render", &model, "-o", "out/x.png"], more].concat(), words);
     refuses(&["--smooth", "--epsilon", "0"], &["0", "metres"]);
@@ -130,7 +130,7 @@ fn options_that_can_not_be_are_refused() {
 #[test]
 fn frames_with_three_kinds_of_silhouettes_are_measured() {
     let place = Place::new();
-    let model = place.file("coarse.obj", &ball(2));
+    let model = place.file("coarse.obj", ball(2));
     let all = ["bench", "smooth", &model, "--json", "-q", "--frames", "1", "--size", "64x48", "--up", "z"];
     let run = place.umbrae(&all).success();
     let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("JSON");
