@@ -299,10 +299,15 @@ fn masks_are_those_of_the_cpu_but_at_their_edges() {
     let mut drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &[]).unwrap();
     drawn.give_bodies(bodies);
     let mut shaded = 0;
-    for smooth in [Smooth::Accurate, curved(0.005), Smooth::Curved { epsilon_m: 0.1, epsilon_px: Some(0.5) }] {
+    let kinds = [Smooth::Accurate, curved(0.005), Smooth::Curved { epsilon_m: 0.1, epsilon_px: Some(0.5) }];
+    for (k, smooth) in kinds.into_iter().enumerate() {
         for method in [Method::Auto, Method::ZFail] {
             for (c, camera) in cameras().iter().enumerate() {
                 for (l, light) in lights_on_ground().iter().enumerate() {
+                    // Each camera has each light, and each kind each of both: a mask takes seconds in software.
+                    if (k + c + l) % 3 != 0 {
+                        continue;
+                    }
                     let options =
                         |silhouettes| ShadowOptions { silhouettes, smooth, method, ..ShadowOptions::default() };
                     let of = |source| mask(&renderer, &drawn, &casters, camera, light, options(source));
@@ -318,7 +323,7 @@ fn masks_are_those_of_the_cpu_but_at_their_edges() {
             }
         }
     }
-    assert!(shaded > 100_000, "{shaded} pixels are in shadow");
+    assert!(shaded > 30_000, "{shaded} pixels are in shadow");
 }
 
 /// A tube along z whose upper half is turned by `turn_rad`; its middle turns by half of that.
