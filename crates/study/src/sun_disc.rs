@@ -30,7 +30,7 @@ pub(crate) static SUN_TANGENT: LazyLock<f64> = LazyLock::new(|| (0.5 * SUN_DIAME
 /// assert!((rising.share_above_horizon() - 0.5).abs() < 1e-12);
 /// // Its edge is a quarter of a degree from its middle.
 /// let edge = rising.direction(DVec2::X);
-/// assert!((edge.angle_between(DVec3::X).to_degrees() - 0.2665).abs() < 1e-12);
+/// assert!((edge.angle_between(DVec3::X).to_degrees() - 0.2665).abs() < 1e-6);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunDisc {
