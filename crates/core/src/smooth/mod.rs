@@ -11,6 +11,7 @@
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
 //!   volume       the silhouette of a body under a light, and the volume that it closes
+//!   maker        how that is made, triangle by triangle, then crease by crease
 //! ```
 //!
 //! Source: O. Mattausch, D. Scherzer, M. Wimmer and T. Igarashi, "Tessellation-independent smooth shadow boundaries", 2012.
@@ -18,6 +19,7 @@
 mod body;
 mod curve;
 mod holes;
+mod maker;
 mod normals;
 mod parts;
 mod posed;
@@ -29,7 +31,8 @@ mod tests;
 mod volume;
 
 pub use body::{NotSmooth, SmoothBody};
+pub use maker::SmoothScratch;
 pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};
 pub use tables::{NO_BEND, SmoothTables, TwoSidedCrease};
-pub use volume::{SmoothScratch, SmoothVolume, Smoothness};
+pub use volume::{SmoothVolume, Smoothness};

@@ -1,0 +1,361 @@
+//! How a smooth volume is made: triangle by triangle, then crease by crease.
+//!
+//! [`super::volume`] has the picture.
+
+use glam::DVec3;
+
+use crate::LightPosition;
+
+use super::body::{Crease, Side, SmoothBody};
+use super::curve::Curve;
+use super::holes::{self, HoleScratch};
+use super::volume::{SmoothVolume, Smoothness};
+
+/// How far the fold is moved into the body, in lengths of the edge that it meets.
+pub(super) const INSET: f64 = 0.02;
+/// And at most, in radii of the body.
+pub(super) const MOST_INSET: f64 = 2e-3;
+
+/// So often a crossing is improved.
+const STEPS: u32 = 3;
+
+/// What is needed while a volume is made; kept, so that none is asked for in each frame.
+#[derive(Debug, Default, Clone)]
+pub struct SmoothScratch {
+    found: Vec<[u32; 2]>,
+    crossings: Vec<Crossing>,
+    /// For each wedge edge its crossing; `NONE` but while a volume is made.
+    crossing_of_edge: Vec<u32>,
+    point_of_vertex: Vec<u32>,
+    curve: Vec<u32>,
+    holes: HoleScratch,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Where the silhouette crosses a wedge edge.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    edge: u32,
+    /// From the caster's lower vertex to the higher.
+    u: f64,
+    /// On the curve that the edge stands for.
+    smooth: DVec3,
+    normal: DVec3,
+    /// Of [`SmoothVolume::points`].
+    p: u32,
+    q: u32,
+}
+
+impl SmoothVolume {
+    /// The same in the memory that there is.
+    pub fn make(
+        &mut self,
+        body: &SmoothBody,
+        light: LightPosition,
+        smoothness: &Smoothness,
+        scratch: &mut SmoothScratch,
+    ) {
+        self.points.clear();
+        self.sides.clear();
+        self.faces.clear();
+        self.vertices.clear();
+        body.find(light, &mut self.turned, &mut scratch.found);
+        scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
+        scratch.point_of_vertex.resize(body.vertex_of_wedge.len(), NONE);
+        scratch.crossings.clear();
+        let found = std::mem::take(&mut scratch.found);
+        let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
+        maker.add_triangles(&found);
+        for crease in &body.creases {
+            maker.add_crease(crease);
+        }
+        for crossing in &scratch.crossings {
+            scratch.crossing_of_edge[crossing.edge as usize] = NONE;
+        }
+        for &(vertex, _) in &self.vertices {
+            scratch.point_of_vertex[vertex as usize] = NONE;
+        }
+        scratch.found = found;
+        holes::fill(self, light, &mut scratch.holes);
+    }
+}
+
+struct Maker<'a> {
+    volume: &'a mut SmoothVolume,
+    body: &'a SmoothBody,
+    light: LightPosition,
+    smoothness: &'a Smoothness,
+    scratch: &'a mut SmoothScratch,
+    radius_m: f64,
+}
+
+impl Maker<'_> {
+    fn is_turned(&self, w: u32) -> bool {
+        self.volume.turned[w as usize] > 0
+    }
+
+    fn add_triangles(&mut self, found: &[[u32; 2]]) {
+        for &[turned, other] in found {
+            let topology = &self.body.wedges.topology;
+            let Some(e) = self.body.edge_between(turned, other) else { continue };
+            let is_upward = turned < other;
+            for (t, direction) in topology.triangles_on_edge(e) {
+                // Each triangle that the silhouette crosses is left by it once, over an edge that goes from light to dark.
+                if (direction > 0) == is_upward {
+                    self.add_triangle(t, e, turned);
+                }
+            }
+        }
+    }
+
+    /// Triangle `t`, whose edge `exit` goes from `turned` to a wedge that is not.
+    fn add_triangle(&mut self, t: usize, exit: usize, turned: u32) {
+        let corners = self.body.wedges.mesh.triangles()[t];
+        let k = corners.iter().position(|&w| w == turned).expect("the edge is the triangle's");
+        let [first, second, third] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+        let has_two_turned = self.is_turned(third);
+        let entry = if has_two_turned { [second, third] } else { [third, first] };
+        let entry = self.body.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
+        let (a, b) = (self.crossing(exit), self.crossing(entry));
+        // The edge that is not crossed, in the direction of the curve.
+        let beside = [if has_two_turned { first } else { second }, third];
+        self.add_curve(a, b, beside);
+        let dark = [third, second].map(|w| self.vertex(self.body.vertex_of_wedge[w as usize]));
+        // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
+        let foot = a.q;
+        for i in 1..self.scratch.curve.len() {
+            let [from, to] = [self.scratch.curve[i - 1], self.scratch.curve[i]];
+            self.volume.sides.push([from, to]);
+            self.volume.faces.push([foot, from, to]);
+        }
+        self.volume.faces.push([foot, b.p, b.q]);
+        if has_two_turned {
+            self.volume.faces.push([foot, b.q, dark[1]]);
+        } else {
+            self.volume.faces.extend([[foot, b.q, dark[0]], [foot, dark[0], dark[1]]]);
+        }
+    }
+
+    /// The points from `a` to `b`, both with, become the scratch's curve; `beside` are the ends of the third edge of their triangle.
+    fn add_curve(&mut self, a: Crossing, b: Crossing, beside: [u32; 2]) {
+        self.scratch.curve.clear();
+        self.scratch.curve.push(a.p);
+        if let Smoothness::Smooth(precision) = self.smoothness {
+            let curve = Curve::on_surface(a.smooth, b.smooth, [a.normal, b.normal]);
+            let crease = self.crease_beside(beside);
+            let nearness = [self.nearness(a, beside[0]), self.nearness(b, beside[1])];
+            let moved = |u: f64| {
+                // The surface bends with the crease at its border, of which normals say nothing; else one could cross the other.
+                crease.map_or(DVec3::ZERO, |crease| crease.bulge(u) * (nearness[0] + (nearness[1] - nearness[0]) * u))
+            };
+            let pieces = curve.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light));
+            let beside_pieces =
+                crease.map_or(1, |crease| crease.pieces([0.0, 1.0], precision.chord_m(a.smooth, self.light)));
+            self.add_inner_points(&curve, [0.0, 1.0], pieces.max(beside_pieces), moved);
+        }
+        self.scratch.curve.push(b.p);
+    }
+
+    /// The curve between two wedges, from the first to the second, if that is a crease.
+    fn crease_beside(&self, [from, to]: [u32; 2]) -> Option<Curve> {
+        let e = self.body.edge_between(from, to)?;
+        let curve = self.body.crease_curve(e)?;
+        Some(if self.body.ends(e)[0] == from { curve } else { curve.reversed() })
+    }
+
+    /// 1 where a crossing is at wedge `w`, an end of its edge, and 0 where it is at the other end.
+    fn nearness(&self, crossing: Crossing, w: u32) -> f64 {
+        if self.body.ends(crossing.edge as usize)[0] == w { 1.0 - crossing.u } else { crossing.u }
+    }
+
+    /// Points of `curve` between `ends`, so that there are so many `pieces`, each moved by `moved`, are added to the scratch's curve.
+    fn add_inner_points(&mut self, curve: &Curve, ends: [f64; 2], pieces: u32, moved: impl Fn(f64) -> DVec3) {
+        for i in 1..pieces {
+            let u = ends[0] + (ends[1] - ends[0]) * f64::from(i) / f64::from(pieces);
+            let p = self.point(curve.at(u) + moved(u));
+            self.scratch.curve.push(p);
+        }
+    }
+
+    /// The crossing of wedge edge `e`, one of whose ends is turned to the light.
+    fn crossing(&mut self, e: usize) -> Crossing {
+        let known = self.scratch.crossing_of_edge[e];
+        if known != NONE {
+            return self.scratch.crossings[known as usize];
+        }
+        let ends = self.body.ends(e);
+        let [low, high] = ends.map(|w| self.body.height(w, self.light));
+        // Which end is turned to the light has been decided in f32, so that u may be beyond an end by rounding.
+        let u = low / (low - high);
+        let u = if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.5 };
+        let [start, end] = ends.map(|w| self.body.place(w));
+        let normals = ends.map(|w| self.body.normal(w));
+        let foot = start.lerp(end, u);
+        let inset_m = (INSET * start.distance(end)).min(MOST_INSET * self.radius_m);
+        let straight = normals[0].lerp(normals[1], u).normalize_or_zero();
+        let (u, smooth, normal) = match self.smoothness {
+            Smoothness::Accurate => (u, foot, straight),
+            Smoothness::Smooth(_) => {
+                let curve = self.body.curve_of_edge(e);
+                let u = refined(&curve, normals, self.light, [low, high], u);
+                (u, curve.at(u), curve.normal(u, normals))
+            }
+        };
+        let foot = start.lerp(end, u);
+        let (p, q) = (self.point(smooth), self.point(foot - straight * inset_m));
+        let crossing = Crossing { edge: e as u32, u, smooth, normal, p, q };
+        self.scratch.crossing_of_edge[e] = self.scratch.crossings.len() as u32;
+        self.scratch.crossings.push(crossing);
+        crossing
+    }
+
+    fn point(&mut self, place: DVec3) -> u32 {
+        self.volume.points.push(place.as_vec3());
+        self.volume.points.len() as u32 - 1
+    }
+
+    /// The point that is vertex `v` of the caster, of which `wedge` is one.
+    fn vertex(&mut self, v: u32) -> u32 {
+        let known = self.scratch.point_of_vertex[v as usize];
+        if known != NONE {
+            return known;
+        }
+        let p = self.volume.points.len() as u32;
+        self.volume.points.push(self.body.place_of_vertex(v));
+        self.volume.vertices.push((v, p));
+        self.scratch.point_of_vertex[v as usize] = p;
+        p
+    }
+
+    /// Whether the ends of an edge, the lower vertex first, are lit on that side of it.
+    fn lit_ends(&self, side: &Side) -> [bool; 2] {
+        self.body.ends(side.edge as usize).map(|w| self.is_turned(w))
+    }
+
+    /// What is lit on one side of a crease and not on the other: its part of the silhouette runs along the crease.
+    fn add_crease(&mut self, crease: &Crease) {
+        let first = self.lit_ends(&crease.sides[0]);
+        if first[0] == first[1] && crease.sides.iter().all(|side| self.lit_ends(side) == first) {
+            return;
+        }
+        let [low, high] = crease.vertices.map(|v| self.vertex(v));
+        // Places along the crease in order, and how often what is lit begins there less ends there, as the sides walk.
+        let mut places: Vec<(f64, u32, i32)> = vec![(0.0, low, 0), (1.0, high, 0)];
+        let mut left_over: Vec<([u32; 2], i32)> = Vec::new();
+        for side in &crease.sides {
+            let (e, direction) = (side.edge, side.direction);
+            let mut walk = |path: &[u32]| left_over.extend(path.windows(2).map(|w| ([w[0], w[1]], direction)));
+            match self.lit_ends(side) {
+                [true, true] => {
+                    walk(&[low, high]);
+                    places[0].2 += direction;
+                    places[1].2 -= direction;
+                }
+                [true, false] => {
+                    let c = self.crossing(e as usize);
+                    walk(&[low, high, c.q, c.p]);
+                    places[0].2 += direction;
+                    places.push((c.u, c.p, -direction));
+                }
+                [false, true] => {
+                    let c = self.crossing(e as usize);
+                    walk(&[c.p, c.q, low, high]);
+                    places.push((c.u, c.p, direction));
+                    places[1].2 -= direction;
+                }
+                [false, false] => {}
+            }
+        }
+        // The crease's own ends stay the first and the last, whatever rounding has made of the others.
+        places[2..].sort_by(|a, b| a.0.total_cmp(&b.0));
+        places[1..].rotate_left(1);
+        self.add_runs(crease, &places, &mut left_over);
+        self.cone(low, &left_over);
+    }
+
+    /// The sides between `places` along the crease; they are taken from what is left over.
+    fn add_runs(&mut self, crease: &Crease, places: &[(f64, u32, i32)], left_over: &mut Vec<([u32; 2], i32)>) {
+        let e = crease.sides[0].edge as usize;
+        let mut times = 0;
+        for pair in places.windows(2) {
+            times += pair[0].2;
+            if times == 0 {
+                continue;
+            }
+            let [(from, start, _), (to, end, _)] = [pair[0], pair[1]];
+            self.scratch.curve.clear();
+            self.scratch.curve.push(start);
+            if let Smoothness::Smooth(precision) = self.smoothness {
+                let curve = self.body.curve_of_edge(e);
+                let sunk = self.sunk(crease, &curve);
+                let pieces = curve.pieces([from, to], precision.chord_m(curve.start, self.light));
+                self.add_inner_points(&curve, [from, to], pieces, |u| sunk * (4.0 * u * (1.0 - u)));
+            }
+            self.scratch.curve.push(end);
+            for i in 1..self.scratch.curve.len() {
+                let [a, b] = [self.scratch.curve[i - 1], self.scratch.curve[i]];
+                let side = if times > 0 { [a, b] } else { [b, a] };
+                self.volume.sides.extend(std::iter::repeat_n(side, times.unsigned_abs() as usize));
+                left_over.push(([a, b], -times));
+            }
+        }
+    }
+
+    /// By how much the middle of a crease is moved into the body: not at all but where the curve goes into it, along one of its faces, which would
+    /// then lie in the fin.
+    fn sunk(&self, crease: &Crease, curve: &Curve) -> DVec3 {
+        let normals = crease.sides.iter().flat_map(|side| self.body.ends(side.edge as usize));
+        let outward = normals.map(|w| self.body.normal(w)).sum::<DVec3>().normalize_or_zero();
+        let chord_m = curve.start.distance(curve.end);
+        let bulge_m = (curve.at(0.5) - curve.start.midpoint(curve.end)).dot(outward);
+        if bulge_m < -1e-6 * chord_m {
+            -outward * (INSET * chord_m).min(MOST_INSET * self.radius_m)
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Faces from `apex` whose boundary takes away the cycle `left_over`, whose edges are walked so often each.
+    fn cone(&mut self, apex: u32, left_over: &[([u32; 2], i32)]) {
+        let mut edges: Vec<([u32; 2], i32)> = left_over
+            .iter()
+            .map(|&([a, b], times)| if a < b { ([a, b], times) } else { ([b, a], -times) })
+            .filter(|([a, b], _)| a != b && *a != apex && *b != apex)
+            .collect();
+        edges.sort_unstable();
+        for group in edges.chunk_by(|a, b| a.0 == b.0) {
+            let [a, b] = group[0].0;
+            let times: i32 = group.iter().map(|(_, times)| times).sum();
+            let face = if times > 0 { [apex, b, a] } else { [apex, a, b] };
+            self.volume.faces.extend(std::iter::repeat_n(face, times.unsigned_abs() as usize));
+        }
+    }
+}
+
+/// Where the surface along `curve` turns away from `light`, from heights of opposite signs at its ends and a first guess.
+///
+/// The paper stops at the guess, which takes normals and places between vertices for linear. Between them the surface is curved, and where it
+/// is curved little along the light, a silhouette that is off by little on the surface is off by much in the shadow. Regula falsi, in the
+/// Illinois form, gains a digit or two in each step.
+fn refined(curve: &Curve, normals: [DVec3; 2], light: LightPosition, [low, high]: [f64; 2], guess: f64) -> f64 {
+    let height = |u: f64| curve.normal(u, normals).dot(light.offset_from(curve.at(u)));
+    let (mut a, mut b) = ((0.0, low), (1.0, high));
+    let mut u = guess;
+    for _ in 0..STEPS {
+        let h = height(u);
+        if (h > 0.0) == (a.1 > 0.0) {
+            a = (u, h);
+            b.1 *= 0.5;
+        } else {
+            b = (u, h);
+            a.1 *= 0.5;
+        }
+        let next = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        if !next.is_finite() {
+            break;
+        }
+        u = next.clamp(0.0, 1.0);
+    }
+    u
+}
