@@ -318,6 +318,8 @@ mod tests {
         shadows: ShadowArgs,
         #[arg(long)]
         json: bool,
+        #[arg(long)]
+        verify: bool,
     }
 
     fn options(line: &str) -> ShadowOptions {
