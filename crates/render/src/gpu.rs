@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use wgpu::util::DeviceExt as _;
+
 use crate::Caps;
 use crate::readback::TextureCopy;
 
@@ -191,6 +193,30 @@ impl Gpu {
             return Err(GpuError::TooLarge { adapter: self.label.clone(), needed_bytes, allowed_bytes });
         }
         Ok(())
+    }
+
+    /// A buffer of `bytes`, filled up with zeros to whole words (16-bit indices may be an odd number); `None` without any.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] when the device makes no buffers of so many.
+    pub(crate) fn upload(
+        &self,
+        label: &str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<Option<wgpu::Buffer>, GpuError> {
+        self.ensure_buffer_fits(bytes.len())?;
+        let mut padded;
+        let contents = if bytes.len().is_multiple_of(4) {
+            bytes
+        } else {
+            padded = bytes.to_vec();
+            padded.resize(bytes.len().next_multiple_of(4), 0);
+            &padded
+        };
+        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        Ok((!bytes.is_empty()).then(|| self.device.create_buffer_init(&descriptor)))
     }
 
     /// # Errors

@@ -28,7 +28,6 @@ mod tally;
 
 use umbrae_core::{Camera, Caster, Light, PixelRect, Sphere};
 use web_time::Instant;
-use wgpu::util::DeviceExt as _;
 
 pub use casters::ShadowCasters;
 #[cfg(test)]
@@ -197,22 +196,7 @@ impl Shadows {
             batches: plan.batches.len(),
             index_bytes: plan.indices.bytes() + size_of_val(plan.smooth_indices.as_slice()),
         };
-        let upload = |label, bytes: &[u8], usage| {
-            gpu.ensure_buffer_fits(bytes.len())?;
-            // Buffers of 16-bit indices may have an odd number of them.
-            let mut padded;
-            let contents = if bytes.len().is_multiple_of(4) {
-                bytes
-            } else {
-                padded = bytes.to_vec();
-                padded.resize(bytes.len().next_multiple_of(4), 0);
-                &padded
-            };
-            let buffer = || {
-                gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-            };
-            Ok((!bytes.is_empty()).then(buffer))
-        };
+        let upload = |label, bytes, usage| gpu.upload(label, bytes, usage);
         let uniform = LightUniform::new(&light);
         Ok(ShadowLight {
             group: uniform_group(gpu, "light", &self.layouts.light, bytemuck::bytes_of(&uniform)),

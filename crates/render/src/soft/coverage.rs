@@ -179,11 +179,6 @@ impl SoftPass {
             batches: plan.groups.len(),
             index_bytes: 0,
         };
-        let upload = |label, contents: &[u8], usage| {
-            gpu.ensure_buffer_fits(contents.len())?;
-            let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
-            Ok((!contents.is_empty()).then(|| gpu.device.create_buffer_init(&descriptor)))
-        };
         let vertices = wgpu::BufferUsages::VERTEX;
         let extent = ExtentUniform::new(light.extent);
         Ok(SoftLight {
@@ -193,8 +188,8 @@ impl SoftPass {
                 contents: bytemuck::bytes_of(&extent),
                 usage: wgpu::BufferUsages::UNIFORM,
             }),
-            segments: upload("silhouette segments", bytemuck::cast_slice(&plan.segments), vertices)?,
-            caps: upload("caps", bytemuck::cast_slice(&plan.caps), vertices)?,
+            segments: gpu.upload("silhouette segments", bytemuck::cast_slice(&plan.segments), vertices)?,
+            caps: gpu.upload("caps", bytemuck::cast_slice(&plan.caps), vertices)?,
             plan,
             report,
         })
