@@ -57,7 +57,8 @@ pub use disc::{SUN_DIAMETER_RAD, disc_sector, disc_segment, disc_share};
 pub use light::{Cone, Extent, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, SeenLight, Verdict};
-pub use overlap::{most_overlaps, most_stacked, needs_light_cap, split_chain};
+pub use overlap::{most_overlaps, needs_light_cap, split_chain};
+pub(crate) use overlap::{most_overlaps_of, most_stacked};
 pub use penumbra::LightFace;
 pub use pose::{Deformer, Influence, Pose};
 pub use ray::{Hit, RayCaster};
@@ -69,8 +70,8 @@ pub use silhouette::{
     Finder, FinderKind, Found, NormalFinder, Outline, SavedError, SilhouetteEdge, Silhouettes, silhouette,
 };
 pub use smooth::{
-    NO_BEND, NotSmooth, OnScreen, Precision, SmoothBody, SmoothScratch, SmoothTables, SmoothVolume, Smoothness,
-    TwoSidedCrease, corner_normals, given_normals,
+    NO_BEND, NotSmooth, OnScreen, Precision, SmoothBody, SmoothTables, SmoothVolume, Smoothness, TwoSidedCrease,
+    corner_normals, given_normals,
 };
 pub use sphere::{Sphere, SphereVolume};
 pub use square::square_segment;

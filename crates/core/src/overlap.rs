@@ -29,7 +29,7 @@ mod sweep;
 use glam::{DVec3, Vec3};
 
 use self::columns::Columns;
-pub use self::stacked::most_stacked;
+pub(crate) use self::stacked::most_stacked;
 use self::sweep::Sweep;
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume};
@@ -58,37 +58,42 @@ const AT_AXIS: f64 = 1e-9;
 ///
 /// If the light is in the caster's box and `volume` is one of sides alone.
 pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPosition) -> u32 {
+    most_overlaps_of((&caster.positions, &caster.bounds), volume, light)
+}
+
+/// The same for a volume over `positions` in a box.
+pub(crate) fn most_overlaps_of(
+    (positions, bounds): (&[Vec3], &Bounds),
+    volume: &ShadowVolume,
+    light: LightPosition,
+) -> u32 {
     let triangles = volume.most_triangles;
     let most = if triangles <= 1 {
         triangles as i64
-    } else if let Some(ahead) = ahead(caster, light) {
+    } else if let Some(ahead) = ahead_of(bounds, light) {
         let right = ahead.any_orthonormal_vector();
         let up = right.cross(ahead);
-        let chart = Chart::around(light, [right, up, ahead], &caster.bounds);
-        let upright = Chart::around(light, [up, -right, ahead], &caster.bounds);
-        let swept = upright.sweep(caster, volume).most(Poles::default(), 1)[0];
-        if swept <= LOW { swept } else { swept.min(chart.most(caster, volume, Poles::default(), 0)) }
+        let chart = Chart::around(light, [right, up, ahead], bounds);
+        let upright = Chart::around(light, [up, -right, ahead], bounds);
+        let swept = upright.sweep(positions, volume).most(Poles::default(), 1)[0];
+        if swept <= LOW { swept } else { swept.min(chart.most(positions, volume, Poles::default(), 0)) }
     } else {
         assert!(!volume.light_cap.is_empty(), "around a light in its box, a volume is told from its cap");
         let axis = DVec3::Z;
-        let poles = Poles::new(caster, volume, light, axis);
+        let poles = Poles::new(positions, volume, light, axis);
         let around = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let charts = around.map(|ahead| Chart::quarter(light, [ahead.cross(axis), axis, ahead]));
-        charts.iter().fold(0, |most, chart| most.max(chart.most(caster, volume, poles, most)))
+        charts.iter().fold(0, |most, chart| most.max(chart.most(positions, volume, poles, most)))
     };
     most.clamp(0, triangles as i64) as u32
 }
 
 /// Whether [`most_overlaps`] needs the light cap: where `light` is in the box of `caster`.
 pub fn needs_light_cap(caster: &Caster, light: LightPosition) -> bool {
-    ahead(caster, light).is_none()
+    ahead_of(&caster.bounds, light).is_none()
 }
 
-/// A direction from the light that all of the caster's box is strictly ahead in; `None` when the light is in the box.
-fn ahead(caster: &Caster, light: LightPosition) -> Option<DVec3> {
-    ahead_of(&caster.bounds, light)
-}
-
+/// A direction from the light that all of `bounds` is strictly ahead in; `None` when the light is in them.
 fn ahead_of(bounds: &Bounds, light: LightPosition) -> Option<DVec3> {
     let position = light.homogeneous().truncate();
     if light.is_directional() {
@@ -112,9 +117,9 @@ struct Poles {
 }
 
 impl Poles {
-    fn new(caster: &Caster, volume: &ShadowVolume, light: LightPosition, axis: DVec3) -> Self {
+    fn new(positions: &[Vec3], volume: &ShadowVolume, light: LightPosition, axis: DVec3) -> Self {
         let position = light.homogeneous().truncate();
-        let at = |i: u32| caster.positions[i as usize].as_dvec3() - position;
+        let at = |i: u32| positions[i as usize].as_dvec3() - position;
         let flat = |p: DVec3| p - axis * axis.dot(p);
         let turn = |a: DVec3, b: DVec3| axis.dot(a.cross(b));
         let mut poles = Self::default();
@@ -242,8 +247,8 @@ impl Chart {
     }
 
     /// A bound of the winding number anywhere on the chart; one no better than `enough` is as good as any.
-    fn most(&self, caster: &Caster, volume: &ShadowVolume, poles: Poles, enough: i64) -> i64 {
-        let sweep = self.sweep(caster, volume);
+    fn most(&self, positions: &[Vec3], volume: &ShadowVolume, poles: Poles, enough: i64) -> i64 {
+        let sweep = self.sweep(positions, volume);
         let swept = sweep.most(poles, 1)[0];
         if swept <= LOW.max(enough) {
             return swept;
@@ -261,7 +266,7 @@ impl Chart {
                 break;
             }
             let mut columns = Columns::new(&wanted);
-            for [a, b] in self.edges(caster, volume) {
+            for [a, b] in self.edges(positions, volume) {
                 self.add_edge(&mut columns, a, b);
             }
             for (bounds, cells) in bounds.chunks_exact_mut(per_column).zip(columns.most(poles)) {
@@ -275,20 +280,20 @@ impl Chart {
     }
 
     /// The edges that are on the chart, as far as they are.
-    fn edges<'a>(&'a self, caster: &'a Caster, volume: &'a ShadowVolume) -> impl Iterator<Item = [Flat; 2]> + 'a {
-        let flat = |i: u32| self.flat(caster.positions[i as usize].as_dvec3());
+    fn edges<'a>(&'a self, positions: &'a [Vec3], volume: &'a ShadowVolume) -> impl Iterator<Item = [Flat; 2]> + 'a {
+        let flat = |i: u32| self.flat(positions[i as usize].as_dvec3());
         volume.sides.iter().filter_map(move |side| {
             let [a, b] = side.map(flat);
             self.clipped(a, b)
         })
     }
 
-    fn sweep(&self, caster: &Caster, volume: &ShadowVolume) -> Sweep {
+    fn sweep(&self, positions: &[Vec3], volume: &ShadowVolume) -> Sweep {
         // What begins and ends in a corner; most edges go on through it.
-        let mut balance = vec![[0_i32; 2]; caster.positions.len()];
+        let mut balance = vec![[0_i32; 2]; positions.len()];
         let mut sweep = Sweep::default();
         for side in &volume.sides {
-            let ends = side.map(|i| self.flat(caster.positions[i as usize].as_dvec3()));
+            let ends = side.map(|i| self.flat(positions[i as usize].as_dvec3()));
             let Some(clipped) = self.clipped(ends[0], ends[1]) else { continue };
             let [from, to] = clipped.map(|p| self.on_grid(p)[0]);
             let is_rise = from < to;
@@ -307,7 +312,7 @@ impl Chart {
         for &corner in volume.sides.iter().flatten() {
             let by = std::mem::take(&mut balance[corner as usize]);
             if by != [0, 0] {
-                sweep.step(self.on_grid(self.flat(caster.positions[corner as usize].as_dvec3()))[0], by);
+                sweep.step(self.on_grid(self.flat(positions[corner as usize].as_dvec3()))[0], by);
             }
         }
         sweep.sort();

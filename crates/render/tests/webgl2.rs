@@ -5,6 +5,7 @@
 #[expect(dead_code, reason = "the example's main is not run")]
 #[path = "../examples/displaced_spheres.rs"]
 mod displaced_spheres;
+mod held_to_webgl2;
 mod random;
 mod soup;
 
@@ -12,6 +13,7 @@ use std::sync::Arc;
 
 use displaced_spheres::{MAX_OFFSET_M, MOVED, NOISE};
 use glam::{DAffine3, DVec3, Vec3};
+use held_to_webgl2::held_to_webgl2;
 use random::Random;
 use soup::soup;
 use umbrae_core::{
@@ -21,22 +23,6 @@ use umbrae_render::{
     Displacement, Gpu, GpuError, GpuScene, Method, Renderer, ShadowCasters, ShadowOptions, ShadowTarget, Shadows, Shot,
     SilhouetteSource, TextureDisplacer, Tier, compare,
 };
-
-/// Whatever there is, held to the limits of WebGL2.
-fn gpu(backends: wgpu::Backends) -> Option<Gpu> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let adapter = pollster::block_on(instance.enumerate_adapters(backends)).into_iter().next()?;
-    let descriptor = wgpu::DeviceDescriptor {
-        label: Some("as WebGL2"),
-        required_limits: wgpu::Limits::downlevel_webgl2_defaults(),
-        ..wgpu::DeviceDescriptor::default()
-    };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
-    Some(Gpu::of_device(&adapter, device, queue))
-}
 
 fn options(method: Method) -> ShadowOptions {
     ShadowOptions { silhouettes: SilhouetteSource::GpuBasic, ..ShadowOptions::from(method) }
@@ -76,7 +62,7 @@ fn decided_of_soups(gpu: Gpu) -> usize {
 
 #[test]
 fn every_decided_pixel_of_a_soup_is_right_with_no_more_than_webgl2_has() {
-    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let gpu = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
     assert_eq!(gpu.caps.tier, Tier::Basic);
     let decided = decided_of_soups(gpu);
     assert!(decided > 1_500_000, "{decided} pixels decided");
@@ -84,7 +70,7 @@ fn every_decided_pixel_of_a_soup_is_right_with_no_more_than_webgl2_has() {
 
 #[test]
 fn every_decided_pixel_of_a_soup_is_right_on_opengl_where_there_is_any() {
-    let Some(gpu) = gpu(wgpu::Backends::GL) else { return };
+    let Some(gpu) = held_to_webgl2(wgpu::Backends::GL) else { return };
     println!("{}", gpu.label);
     let decided = decided_of_soups(gpu);
     assert!(decided > 1_500_000, "{decided} pixels decided");
@@ -97,7 +83,7 @@ fn caster_of(surface: Surface) -> Vec<Caster> {
 
 #[test]
 fn a_mesh_with_more_than_four_million_edges_is_refused() {
-    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let gpu = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
     let target = ShadowTarget { depth_stencil_format: gpu.caps.depth_stencil_format, samples: 1, color_formats: &[] };
     let shadows = Shadows::new(&gpu, &target);
     let finder = |cells| {
@@ -115,7 +101,7 @@ fn a_mesh_with_more_than_four_million_edges_is_refused() {
 
 #[test]
 fn what_has_moved_casts_from_where_it_is() {
-    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let gpu = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
     let renderer = Renderer::new(gpu, 1);
     let object = |surface| Object::new("", Arc::new(Mesh::new(surface).unwrap()), DAffine3::IDENTITY);
     let floor = shapes::sheet(Vec3::new(-5.0, -5.0, 0.0), Vec3::X * 10.0, Vec3::Y * 10.0, [3, 3]);
@@ -161,8 +147,8 @@ fn mask_of_ball(renderer: &Renderer, is_round: bool) -> Vec<u8> {
 
 #[test]
 fn a_coarse_ball_can_be_shaded_as_a_round_one() {
-    let limited = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
-    for gpu in [Some(limited), gpu(wgpu::Backends::GL)].into_iter().flatten() {
+    let limited = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    for gpu in [Some(limited), held_to_webgl2(wgpu::Backends::GL)].into_iter().flatten() {
         let renderer = Renderer::new(gpu, 1);
         let [round, flat] = [true, false].map(|is_round| mask_of_ball(&renderer, is_round));
         let different = round.iter().zip(&flat).filter(|(a, b)| a != b).count();
@@ -172,7 +158,7 @@ fn a_coarse_ball_can_be_shaded_as_a_round_one() {
 
 #[test]
 fn what_a_function_moves_is_flat_and_the_rest_stays_round() {
-    let renderer = Renderer::new(gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver"), 1);
+    let renderer = Renderer::new(held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver"), 1);
     let role = Role { casts: false, ..Role::default() };
     let ball = |x: f32| {
         let mesh = Mesh::new(shapes::icosphere(Vec3::X * x, 0.9, 1)).unwrap();
@@ -251,21 +237,21 @@ fn decided_of_displaced_spheres(gpu: Gpu, times: u32) -> usize {
 
 #[test]
 fn spheres_displaced_in_textures_shade_themselves_and_others_exactly_at_five_times() {
-    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let gpu = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
     let decided = decided_of_displaced_spheres(gpu, 5);
     assert!(decided > 250_000, "{decided} pixels decided");
 }
 
 #[test]
 fn spheres_displaced_in_textures_are_right_on_opengl_where_there_is_any() {
-    let Some(gpu) = gpu(wgpu::Backends::GL) else { return };
+    let Some(gpu) = held_to_webgl2(wgpu::Backends::GL) else { return };
     let decided = decided_of_displaced_spheres(gpu, 2);
     assert!(decided > 100_000, "{decided} pixels decided");
 }
 
 #[test]
 fn a_function_that_is_no_good_is_an_error_that_says_why() {
-    let gpu = gpu(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
+    let gpu = held_to_webgl2(wgpu::Backends::PRIMARY).expect("tests need a graphics driver: run scripts/setup.sh");
     let scene = displaced_spheres::scene();
     let mut casters = Caster::of_scene(&scene);
     let drawn = GpuScene::new(&gpu, &casters, &scene.materials, &scene.textures).unwrap();

@@ -13,7 +13,7 @@ const CELLS: usize = 128;
 const FEW: usize = 8;
 
 /// No ray from `light` meets more of `triangles` than this. Takes some 20 ns for each.
-pub fn most_stacked(triangles: &[[DVec3; 3]], light: LightPosition) -> u32 {
+pub(crate) fn most_stacked(triangles: &[[DVec3; 3]], light: LightPosition) -> u32 {
     let bounds = Bounds::of_points(triangles.iter().flatten().copied());
     let ahead = if triangles.len() <= FEW { None } else { ahead_of(&bounds, light) };
     let Some(ahead) = ahead else { return triangles.len() as u32 };

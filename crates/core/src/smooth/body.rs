@@ -50,8 +50,6 @@ pub struct SmoothBody {
     /// None where the body has moved: then each wedge and edge is looked at.
     pub(super) finder: Option<NormalFinder>,
     pub(super) longest_edge_m: f64,
-    /// Wedge edges whose lower wedge is w are those from `first_edge[w]` to before `first_edge[w + 1]`.
-    first_edge: Arc<[u32]>,
 }
 
 /// How an edge between wedges is bent.
@@ -136,26 +134,7 @@ impl SmoothBody {
             wedge_of_vertex[v as usize] = w;
         }
         let longest_edge_m = longest_edge_m(&wedges);
-        let first_edge = first_edges(&wedges.topology, vertex_of_wedge.len());
-        Ok(Self {
-            wedges,
-            vertex_of_wedge,
-            wedge_of_vertex,
-            normals,
-            bends,
-            creases,
-            finder,
-            longest_edge_m,
-            first_edge,
-        })
-    }
-
-    /// The wedge edge between two wedges, in either order. A vertex has few edges, and theirs are side by side.
-    pub(super) fn edge_between(&self, a: u32, b: u32) -> Option<usize> {
-        let (low, high) = (a.min(b), a.max(b));
-        let [first, end] = [0, 1].map(|i| self.first_edge[low as usize + i] as usize);
-        let place = self.wedges.topology.edges()[first..end].iter().position(|edge| edge.high == high);
-        place.map(|i| first + i)
+        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
     }
 
     /// Where wedge `w` is, scene space.
@@ -263,18 +242,6 @@ pub(super) fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> im
     let turn = if is_turned { -1 } else { 1 };
     let side = move |(t, direction)| Side { triangle: t as u32, edge: e, direction: turn * direction };
     wedges.triangles_on_edge(e as usize).map(side)
-}
-
-/// For each wedge the first of the edges of which it is the lower end, and at last how many edges there are.
-fn first_edges(topology: &Topology, wedges: usize) -> Arc<[u32]> {
-    let mut first = vec![0; wedges + 1];
-    for edge in topology.edges() {
-        first[edge.low as usize + 1] += 1;
-    }
-    for w in 0..wedges {
-        first[w + 1] += first[w];
-    }
-    first.into()
 }
 
 /// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.

@@ -21,7 +21,7 @@ const STEPS: u32 = 3;
 
 /// What is needed while a volume is made; kept, so that none is asked for in each frame.
 #[derive(Debug, Default, Clone)]
-pub struct SmoothScratch {
+pub(super) struct SmoothScratch {
     found: Vec<[u32; 2]>,
     crossings: Vec<Crossing>,
     /// For each wedge edge its crossing; `NONE` but while a volume is made.
@@ -48,8 +48,8 @@ struct Crossing {
 }
 
 impl SmoothVolume {
-    /// The same in the memory that there is.
-    pub fn make(
+    /// [`SmoothVolume::new`] in the memory that there is.
+    pub(super) fn make(
         &mut self,
         body: &SmoothBody,
         light: LightPosition,
@@ -98,7 +98,7 @@ impl Maker<'_> {
     fn add_triangles(&mut self, found: &[[u32; 2]]) {
         for &[turned, other] in found {
             let topology = &self.body.wedges.topology;
-            let Some(e) = self.body.edge_between(turned, other) else { continue };
+            let Some(e) = topology.edge_between(turned, other) else { continue };
             let is_upward = turned < other;
             for (t, direction) in topology.triangles_on_edge(e) {
                 // Each triangle that the silhouette crosses is left by it once, over an edge that goes from light to dark.
@@ -116,7 +116,7 @@ impl Maker<'_> {
         let [first, second, third] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
         let has_two_turned = self.is_turned(third);
         let entry = if has_two_turned { [second, third] } else { [third, first] };
-        let entry = self.body.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
+        let entry = self.body.wedges.topology.edge_between(entry[0], entry[1]).expect("the edge is the triangle's");
         let (a, b) = (self.crossing(exit), self.crossing(entry));
         // The edge that is not crossed, in the direction of the curve.
         let beside = [if has_two_turned { first } else { second }, third];
@@ -159,7 +159,7 @@ impl Maker<'_> {
 
     /// The curve between two wedges, from the first to the second, if that is a crease.
     fn crease_beside(&self, [from, to]: [u32; 2]) -> Option<Curve> {
-        let e = self.body.edge_between(from, to)?;
+        let e = self.body.wedges.topology.edge_between(from, to)?;
         let curve = self.body.crease_curve(e)?;
         Some(if self.body.ends(e)[0] == from { curve } else { curve.reversed() })
     }

@@ -31,7 +31,6 @@ mod tests;
 mod volume;
 
 pub use body::{NotSmooth, SmoothBody};
-pub use maker::SmoothScratch;
 pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};
 pub use tables::{NO_BEND, SmoothTables, TwoSidedCrease};

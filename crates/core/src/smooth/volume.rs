@@ -23,7 +23,7 @@ use std::cell::RefCell;
 
 use glam::{DVec3, Vec3};
 
-use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_stacked, needs_light_cap};
+use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_overlaps_of, most_stacked, needs_light_cap};
 
 use super::body::SmoothBody;
 use super::maker::SmoothScratch;
@@ -110,11 +110,7 @@ impl SmoothVolume {
             let sides = self.sides.clone();
             (self.points.clone(), ShadowVolume { sides, light_cap: Vec::new(), most_triangles: usize::MAX >> 1 })
         };
-        let bounds = self.bounds(caster);
-        let (mesh, topology) = (caster.mesh.clone(), caster.topology.clone());
-        let (name, shading_normals, role) = (String::new(), Vec::new(), caster.role);
-        let around = Caster { name, mesh, topology, positions, bounds, role, shading_normals };
-        crate::most_overlaps(&around, &volume, light)
+        most_overlaps_of((&positions, &self.bounds(caster)), &volume, light)
             .saturating_add(most_stacked(&self.turned_away(body, caster, light), light))
     }
 

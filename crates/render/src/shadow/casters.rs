@@ -47,15 +47,13 @@ impl Block {
         Self::FIRST_POSITION + self.position_count + i
     }
 
-    /// The vertex with an index of the block, as it is uploaded for `caster`, whose block it is.
-    pub(crate) fn vertex(self, i: u32, caster: &Caster) -> VolumeVertex {
+    /// The vertex with an index of the block, as it is uploaded for `positions` in `bounds`, whose block it is.
+    pub(crate) fn vertex(self, i: u32, (positions, bounds): (&[Vec3], &Bounds)) -> VolumeVertex {
         let Some(i) = i.checked_sub(Self::FIRST_POSITION) else {
-            return AXES
-                .get(i as usize)
-                .map_or_else(|| middle(&caster.bounds), |axis| axis.as_vec3().extend(2.0).to_array());
+            return AXES.get(i as usize).map_or_else(|| middle(bounds), |axis| axis.as_vec3().extend(2.0).to_array());
         };
         let is_far = i >= self.position_count;
-        let position = caster.positions[(if is_far { i - self.position_count } else { i }) as usize];
+        let position = positions[(if is_far { i - self.position_count } else { i }) as usize];
         position.extend(f32::from(u8::from(is_far))).to_array()
     }
 
@@ -219,6 +217,6 @@ pub(super) fn add_block(vertices: &mut Vec<VolumeVertex>, bounds: &Bounds, posit
     block
 }
 
-pub(crate) fn middle(bounds: &Bounds) -> VolumeVertex {
+fn middle(bounds: &Bounds) -> VolumeVertex {
     bounds.center().as_vec3().extend(1.0).to_array()
 }

@@ -77,7 +77,7 @@ pub(super) fn emit(
     report.faces_mut().side_triangles += body.len();
     if !is_pass && shows_dark_cap && !light.is_directional() {
         let before = body.len();
-        add_dark_cap(&mut body, caster, block, volume, light);
+        add_dark_cap(&mut body, (&caster.positions, &caster.bounds), block, volume, light);
         report.faces_mut().dark_cap_triangles += body.len() - before;
     }
     add(if is_pass { Part::Pass } else { Part::Fail }, &body);
@@ -124,16 +124,16 @@ pub(super) const FAN_RADII: f64 = 1.2;
 /// through the middle of the caster none does. Where the light is too near for that, the chain itself is projected.
 pub(crate) fn add_dark_cap(
     triangles: &mut Vec<[u32; 3]>,
-    caster: &Caster,
+    (positions, bounds): (&[Vec3], &Bounds),
     block: Block,
     volume: &ShadowVolume,
     light: LightPosition,
 ) {
     let is_fan_smaller = volume.sides.len() <= volume.light_cap.len();
-    if is_fan_smaller && is_fan_narrow(&caster.bounds, light) {
+    if is_fan_smaller && is_fan_narrow(bounds, light) {
         add_fan(triangles, block, &volume.sides);
     } else {
-        add_at_infinity(triangles, block, &caster.positions, volume.light_cap.iter().copied(), light);
+        add_at_infinity(triangles, block, positions, volume.light_cap.iter().copied(), light);
     }
 }
 

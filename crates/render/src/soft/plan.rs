@@ -193,9 +193,9 @@ impl Outline {
         let segments = volume.sides.iter().map(|side| side.map(position)).collect();
         let mut dark_cap = Vec::new();
         if case != Case::Pass && shows_dark_cap && !light.position.is_directional() {
-            add_dark_cap(&mut dark_cap, caster, block, volume, light.position);
+            add_dark_cap(&mut dark_cap, (&caster.positions, &caster.bounds), block, volume, light.position);
         }
-        let vertex = |i: &u32| block.vertex(*i, caster);
+        let vertex = |i: &u32| block.vertex(*i, (&caster.positions, &caster.bounds));
         let caps: Vec<VolumeVertex> = dark_cap.as_flattened().iter().map(vertex).collect();
         let light_cap = volume.light_cap.as_flattened().iter().map(|&i| position(i).extend(0.0).to_array());
         let mut outline = Self { segments, caps, compared_caps: Vec::new(), case, why };
@@ -211,17 +211,17 @@ impl Outline {
     fn of_smooth(caster: &Caster, body: &SmoothBody, volume: &SmoothVolume, light: &Light) -> Self {
         let (positions, flat) = volume.flattened(body, caster);
         let block = Block { first_vertex: 0, position_count: positions.len() as u32 };
-        let around = Caster { positions, bounds: volume.bounds(caster), ..caster.clone() };
+        let around = (positions.as_slice(), &volume.bounds(caster));
         let segments = volume.sides.iter().map(|side| side.map(|p| volume.points[p as usize])).collect();
         let mut dark_cap = Vec::new();
         if !light.position.is_directional() {
-            add_dark_cap(&mut dark_cap, &around, block, &flat, light.position);
+            add_dark_cap(&mut dark_cap, around, block, &flat, light.position);
         }
         let near = |triangles: &[[u32; 3]]| -> Vec<VolumeVertex> {
-            triangles.as_flattened().iter().map(|&i| around.positions[i as usize].extend(0.0).to_array()).collect()
+            triangles.as_flattened().iter().map(|&i| positions[i as usize].extend(0.0).to_array()).collect()
         };
         let (cap, faces) = flat.light_cap.split_at(flat.light_cap.len() - volume.faces.len());
-        let mut caps: Vec<VolumeVertex> = dark_cap.as_flattened().iter().map(|&i| block.vertex(i, &around)).collect();
+        let mut caps: Vec<VolumeVertex> = dark_cap.as_flattened().iter().map(|&i| block.vertex(i, around)).collect();
         caps.extend(near(cap));
         Self { segments, caps, compared_caps: near(faces), case: Case::Fail, why: Why::Method }
     }

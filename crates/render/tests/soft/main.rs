@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "../held_to_webgl2/mod.rs"]
+mod held_to_webgl2;
 mod lamps;
 mod seams;
 mod stage;

@@ -4,6 +4,7 @@ use glam::DVec3;
 use umbrae_core::{Camera, Extent, Light, LightPosition};
 use umbrae_render::{AdapterChoice, Gpu};
 
+use crate::held_to_webgl2::held_to_webgl2;
 use crate::stage::{Stage, camera, cuboid, light};
 
 fn scene() -> (Vec<umbrae_core::Surface>, Camera, Light) {
@@ -11,22 +12,6 @@ fn scene() -> (Vec<umbrae_core::Surface>, Camera, Light) {
     let camera = camera([4.0, -5.0, 5.0], [0.3, 0.5, 0.0], 0.6, [160, 120]);
     let at = LightPosition::point(DVec3::new(-1.5, -2.5, 4.0));
     (bodies, camera, light("ball", at, Extent::Sphere { radius_m: 0.5 }))
-}
-
-/// Whatever there is, held to the limits of WebGL2, and without any feature: 16-bit floats.
-fn held_to_webgl2(backends: wgpu::Backends) -> Option<Gpu> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let adapter = pollster::block_on(instance.enumerate_adapters(backends)).into_iter().next()?;
-    let descriptor = wgpu::DeviceDescriptor {
-        label: Some("as WebGL2"),
-        required_limits: wgpu::Limits::downlevel_webgl2_defaults(),
-        ..wgpu::DeviceDescriptor::default()
-    };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
-    Some(Gpu::of_device(&adapter, device, queue))
 }
 
 #[test]
