@@ -94,7 +94,7 @@ pub fn needs_light_cap(caster: &Caster, light: LightPosition) -> bool {
 }
 
 /// A direction from the light that all of `bounds` is strictly ahead in; `None` when the light is in them.
-fn ahead_of(bounds: &Bounds, light: LightPosition) -> Option<DVec3> {
+pub(crate) fn ahead_of(bounds: &Bounds, light: LightPosition) -> Option<DVec3> {
     let position = light.homogeneous().truncate();
     if light.is_directional() {
         return Some(-position);

@@ -50,6 +50,8 @@ pub struct SmoothBody {
     /// None where the body has moved: then each wedge and edge is looked at.
     pub(super) finder: Option<NormalFinder>,
     pub(super) longest_edge_m: f64,
+    /// Of each vertex of the caster: where pieces of the surface have it that must face the light, or not.
+    pub(super) inner: Vec<Vec3>,
 }
 
 /// How an edge between wedges is bent.
@@ -134,7 +136,11 @@ impl SmoothBody {
             wedge_of_vertex[v as usize] = w;
         }
         let longest_edge_m = longest_edge_m(&wedges);
-        Ok(Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m })
+        let inner = Vec::new();
+        let mut body =
+            Self { wedges, vertex_of_wedge, wedge_of_vertex, normals, bends, creases, finder, longest_edge_m, inner };
+        body.inner = body.inner_places();
+        Ok(body)
     }
 
     /// Where wedge `w` is, scene space.
@@ -223,6 +229,7 @@ impl SmoothBody {
         let edges = self.wedges.topology.edges().len();
         size_of_val(self.vertex_of_wedge.as_slice())
             + 2 * size_of_val(self.normals.as_slice())
+            + size_of_val(self.inner.as_slice())
             + edges * (size_of::<Bend>() + if self.finder.is_some() { 94 } else { 24 })
             + self.wedges.mesh.triangles().len() * 56
             + self.creases.len() * (size_of::<Crease>() + 16)

@@ -8,7 +8,7 @@ use crate::LightPosition;
 
 use super::body::{Crease, Side, SmoothBody};
 use super::curve::Curve;
-use super::holes::{self, HoleScratch};
+use super::facing::{Corner, FacingScratch, Part};
 use super::volume::{SmoothVolume, Smoothness};
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
@@ -27,11 +27,14 @@ pub(super) struct SmoothScratch {
     /// For each wedge edge its crossing; `NONE` but while a volume is made.
     crossing_of_edge: Vec<u32>,
     point_of_vertex: Vec<u32>,
-    curve: Vec<u32>,
-    holes: HoleScratch,
+    pub(super) curve: Vec<u32>,
+    pub(super) facing: FacingScratch,
 }
 
 const NONE: u32 = u32::MAX;
+
+/// From a point to another, so often.
+pub(super) type Walk = ([u32; 2], i32);
 
 /// Where the silhouette crosses a wedge edge.
 #[derive(Debug, Clone, Copy)]
@@ -67,9 +70,13 @@ impl SmoothVolume {
         let found = std::mem::take(&mut scratch.found);
         let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
         maker.add_triangles(&found);
+        if maker.is_facing_checked() {
+            maker.check_whole_triangles();
+        }
         for crease in &body.creases {
             maker.add_crease(crease);
         }
+        maker.move_over();
         for crossing in &scratch.crossings {
             scratch.crossing_of_edge[crossing.edge as usize] = NONE;
         }
@@ -77,22 +84,26 @@ impl SmoothVolume {
             scratch.point_of_vertex[vertex as usize] = NONE;
         }
         scratch.found = found;
-        holes::fill(self, light, &mut scratch.holes);
     }
 }
 
-struct Maker<'a> {
-    volume: &'a mut SmoothVolume,
-    body: &'a SmoothBody,
-    light: LightPosition,
+pub(super) struct Maker<'a> {
+    pub(super) volume: &'a mut SmoothVolume,
+    pub(super) body: &'a SmoothBody,
+    pub(super) light: LightPosition,
     smoothness: &'a Smoothness,
-    scratch: &'a mut SmoothScratch,
+    pub(super) scratch: &'a mut SmoothScratch,
     radius_m: f64,
 }
 
 impl Maker<'_> {
-    fn is_turned(&self, w: u32) -> bool {
+    pub(super) fn is_turned(&self, w: u32) -> bool {
         self.volume.turned[w as usize] > 0
+    }
+
+    /// Whether all that is lit is to face the light. On the mesh itself, that would make the silhouette the discrete one.
+    fn is_facing_checked(&self) -> bool {
+        matches!(self.smoothness, Smoothness::Smooth(_))
     }
 
     fn add_triangles(&mut self, found: &[[u32; 2]]) {
@@ -121,6 +132,9 @@ impl Maker<'_> {
         // The edge that is not crossed, in the direction of the curve.
         let beside = [if has_two_turned { first } else { second }, third];
         self.add_curve(a, b, beside);
+        if self.is_facing_checked() {
+            self.check_pieces([first, second, third], has_two_turned);
+        }
         let dark = [third, second].map(|w| self.vertex(self.body.vertex_of_wedge[w as usize]));
         // The cycle from the fin's foot at the exit, along the curve, down to the fold, and back along the dark corners.
         let foot = a.q;
@@ -216,7 +230,7 @@ impl Maker<'_> {
     }
 
     /// The point that is vertex `v` of the caster, of which `wedge` is one.
-    fn vertex(&mut self, v: u32) -> u32 {
+    pub(super) fn vertex(&mut self, v: u32) -> u32 {
         let known = self.scratch.point_of_vertex[v as usize];
         if known != NONE {
             return known;
@@ -242,7 +256,7 @@ impl Maker<'_> {
         let [low, high] = crease.vertices.map(|v| self.vertex(v));
         // Places along the crease in order, and how often what is lit begins there less ends there, as the sides walk.
         let mut places: Vec<(f64, u32, i32)> = vec![(0.0, low, 0), (1.0, high, 0)];
-        let mut left_over: Vec<([u32; 2], i32)> = Vec::new();
+        let mut left_over: Vec<Walk> = Vec::new();
         for side in &crease.sides {
             let (e, direction) = (side.edge, side.direction);
             let mut walk = |path: &[u32]| left_over.extend(path.windows(2).map(|w| ([w[0], w[1]], direction)));
@@ -270,12 +284,40 @@ impl Maker<'_> {
         // The crease's own ends stay the first and the last, whatever rounding has made of the others.
         places[2..].sort_by(|a, b| a.0.total_cmp(&b.0));
         places[1..].rotate_left(1);
+        let first_run = left_over.len();
         self.add_runs(crease, &places, &mut left_over);
-        self.cone(low, &left_over);
+        self.volume.faces.extend(cone(low, &left_over));
+        if self.is_facing_checked() {
+            self.check_crease(crease, [low, high], &left_over[first_run..]);
+        }
+    }
+
+    /// The pieces between the straight lines from corner to corner of the triangles at a crease, and the curve along it, which `runs` walk backward.
+    fn check_crease(&mut self, crease: &Crease, [low, high]: [u32; 2], runs: &[Walk]) {
+        let mut lit = runs.to_vec();
+        let mut dark: Vec<Walk> = runs.iter().map(|&(walk, times)| (walk, -times)).collect();
+        for side in &crease.sides {
+            let times = side.direction;
+            match self.lit_ends(side) {
+                [true, true] => lit.push(([low, high], times)),
+                [false, false] => dark.push(([low, high], times)),
+                [is_low_lit, _] => {
+                    let p = self.crossing(side.edge as usize).p;
+                    let (first, last) = if is_low_lit { (&mut lit, &mut dark) } else { (&mut dark, &mut lit) };
+                    first.push(([low, p], times));
+                    last.push(([p, high], times));
+                }
+            }
+        }
+        for (walks, part) in [(lit, Part::Lit), (dark, Part::Dark)] {
+            for piece in cone(low, &walks) {
+                self.check(piece.map(Corner::Point), part);
+            }
+        }
     }
 
     /// The sides between `places` along the crease; they are taken from what is left over.
-    fn add_runs(&mut self, crease: &Crease, places: &[(f64, u32, i32)], left_over: &mut Vec<([u32; 2], i32)>) {
+    fn add_runs(&mut self, crease: &Crease, places: &[(f64, u32, i32)], left_over: &mut Vec<Walk>) {
         let e = crease.sides[0].edge as usize;
         let mut times = 0;
         for pair in places.windows(2) {
@@ -315,22 +357,24 @@ impl Maker<'_> {
             DVec3::ZERO
         }
     }
+}
 
-    /// Faces from `apex` whose boundary takes away the cycle `left_over`, whose edges are walked so often each.
-    fn cone(&mut self, apex: u32, left_over: &[([u32; 2], i32)]) {
-        let mut edges: Vec<([u32; 2], i32)> = left_over
-            .iter()
-            .map(|&([a, b], times)| if a < b { ([a, b], times) } else { ([b, a], -times) })
-            .filter(|([a, b], _)| a != b && *a != apex && *b != apex)
-            .collect();
-        edges.sort_unstable();
-        for group in edges.chunk_by(|a, b| a.0 == b.0) {
-            let [a, b] = group[0].0;
-            let times: i32 = group.iter().map(|(_, times)| times).sum();
-            let face = if times > 0 { [apex, b, a] } else { [apex, a, b] };
-            self.volume.faces.extend(std::iter::repeat_n(face, times.unsigned_abs() as usize));
-        }
+/// Faces from `apex` whose boundary takes away the cycle of `walks`.
+fn cone(apex: u32, walks: &[Walk]) -> Vec<[u32; 3]> {
+    let mut edges: Vec<Walk> = walks
+        .iter()
+        .map(|&([a, b], times)| if a < b { ([a, b], times) } else { ([b, a], -times) })
+        .filter(|([a, b], _)| a != b && *a != apex && *b != apex)
+        .collect();
+    edges.sort_unstable();
+    let mut faces = Vec::new();
+    for group in edges.chunk_by(|a, b| a.0 == b.0) {
+        let [a, b] = group[0].0;
+        let times: i32 = group.iter().map(|(_, times)| times).sum();
+        let face = if times > 0 { [apex, b, a] } else { [apex, a, b] };
+        faces.extend(std::iter::repeat_n(face, times.unsigned_abs() as usize));
     }
+    faces
 }
 
 /// Where the surface along `curve` turns away from `light`, from heights of opposite signs at its ends and a first guess.

@@ -6,19 +6,20 @@
 //!   posed        the same body where its caster has moved to
 //!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
-//!   holes        what normals tear into the light cap by mistake
 //!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
 //!   volume       the silhouette of a body under a light, and the volume that it closes
 //!   maker        how that is made, triangle by triangle, then crease by crease
+//!   facing       what is on its wrong side goes over, so that no light leaks
+//!   winding      how often a silhouette goes round a place
 //! ```
 //!
 //! Source: O. Mattausch, D. Scherzer, M. Wimmer and T. Igarashi, "Tessellation-independent smooth shadow boundaries", 2012.
 
 mod body;
 mod curve;
-mod holes;
+mod facing;
 mod maker;
 mod normals;
 mod parts;
@@ -29,6 +30,7 @@ mod tessellate;
 #[cfg(test)]
 mod tests;
 mod volume;
+mod winding;
 
 pub use body::{NotSmooth, SmoothBody};
 pub use normals::{corner_normals, given_normals};

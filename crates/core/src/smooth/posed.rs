@@ -37,6 +37,7 @@ impl SmoothBody {
             *normal = sum.normalize_or_zero().as_vec3();
         }
         self.longest_edge_m = longest_edge_m(&self.wedges);
+        self.inner = self.inner_places();
         self.finder = None;
     }
 

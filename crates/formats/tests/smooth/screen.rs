@@ -70,12 +70,15 @@ impl Screen {
     /// Dark where a ray to the light meets the curved surface.
     pub(crate) fn of_rays(&self, subject: &Subject) -> Mask {
         let [width, height] = self.size_px;
-        let is_dark = |i: usize| {
-            let place = self.corner + (DVec2::new((i % width) as f64, (i / width) as f64) + 0.5) * self.pixel_m;
-            let point = self.origin + self.axes[0] * place.x + self.axes[1] * place.y;
-            subject.is_blocked(point, self.light)
-        };
+        let is_dark = |i: usize| subject.is_blocked(self.middle_of(i), self.light);
         Mask { width, dark: (0..width * height).map(is_dark).collect() }
+    }
+
+    /// The middle of pixel `i`.
+    pub(crate) fn middle_of(&self, i: usize) -> DVec3 {
+        let width = self.size_px[0];
+        let place = self.corner + (DVec2::new((i % width) as f64, (i / width) as f64) + 0.5) * self.pixel_m;
+        self.origin + self.axes[0] * place.x + self.axes[1] * place.y
     }
 
     /// Adds to `mask` what `sides` wind around: all of the volume is before the screen, so that is its count.
@@ -111,20 +114,17 @@ impl Screen {
 /// A pixel that is otherwise in the reference.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Difference {
+    pub(crate) pixel: usize,
     /// To the reference's boundary: the nearest pixel of it that is as this one, less that pixel.
     pub(crate) to_boundary_px: f64,
-    /// To the nearest pixel that is otherwise in the same mask: half of how thick a leak is, in the middle of it.
-    pub(crate) to_edge_px: f64,
 }
 
 impl Mask {
     /// The pixels that are otherwise in `reference`.
     pub(crate) fn differences(&self, reference: &Mask) -> Vec<Difference> {
         let differing = (0..self.dark.len()).filter(|&i| self.dark[i] != reference.dark[i]);
-        let difference = |i: usize| Difference {
-            to_boundary_px: reference.distance_px(i, self.dark[i]) - 1.0,
-            to_edge_px: self.distance_px(i, !self.dark[i]),
-        };
+        let difference =
+            |i: usize| Difference { pixel: i, to_boundary_px: reference.distance_px(i, self.dark[i]) - 1.0 };
         differing.map(difference).collect()
     }
 

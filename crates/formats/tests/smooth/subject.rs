@@ -16,6 +16,9 @@ pub(crate) const CREASE_RAD: f64 = 0.76;
 /// How far a smooth silhouette may be from its curves, in radii of the body.
 const EPSILON: f64 = 5e-4;
 
+/// A shadow is thin where it is gone as soon as the curved surface is moved inward by so much, in radii of the body.
+pub(crate) const THIN: f64 = 2e-3;
+
 /// Part of a model that is smooth, or not, as a whole.
 pub(crate) struct Part {
     /// In scene space, with texture coordinates that tell where on its triangle a point is.
@@ -30,6 +33,8 @@ pub(crate) struct Subject {
     pub(crate) parts: Vec<Part>,
     /// Through the curved surface, or the triangles where there is none.
     pub(crate) rays: RayCaster,
+    /// The same, moved inward a little.
+    thinner: RayCaster,
     /// Of the curved surface.
     pub(crate) bounds: Bounds,
     pub(crate) radius_m: f64,
@@ -56,7 +61,11 @@ impl Subject {
         let rays = RayCaster::new(meshes().map(|(positions, mesh)| (positions, mesh.triangles())));
         let points = meshes().flat_map(|(positions, _)| positions).map(|p| p.as_dvec3());
         let bounds = Bounds::of_points(points);
-        Self { parts, rays, bounds, radius_m: bounds.radius() }
+        let inward_m = THIN * bounds.radius();
+        let moved: Vec<Vec<Vec3>> = meshes().map(|(positions, mesh)| moved_inward(positions, mesh, inward_m)).collect();
+        let thinner = moved.iter().zip(meshes()).map(|(positions, (_, mesh))| (positions.as_slice(), mesh.triangles()));
+        let thinner = RayCaster::new(thinner);
+        Self { parts, rays, thinner, bounds, radius_m: bounds.radius() }
     }
 
     /// So many suns and lamps, far, near and very near, from all sides.
@@ -88,9 +97,29 @@ impl Subject {
 
     /// Whether something of the curved surface is between `point` and `light`.
     pub(crate) fn is_blocked(&self, point: DVec3, light: LightPosition) -> bool {
-        let end = if light.is_directional() { f64::INFINITY } else { 1.0 };
-        self.rays.is_hit(point, light.offset_from(point), 0.0, end)
+        is_hit(&self.rays, point, light)
     }
+
+    /// The same where the surface is thinner.
+    pub(crate) fn is_blocked_amply(&self, point: DVec3, light: LightPosition) -> bool {
+        is_hit(&self.thinner, point, light)
+    }
+}
+
+fn is_hit(rays: &RayCaster, point: DVec3, light: LightPosition) -> bool {
+    let end = if light.is_directional() { f64::INFINITY } else { 1.0 };
+    rays.is_hit(point, light.offset_from(point), 0.0, end)
+}
+
+/// `positions` of `mesh`, each moved against the mean normal of the triangles around it.
+fn moved_inward(positions: &[Vec3], mesh: &Mesh, by_m: f64) -> Vec<Vec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for corners in mesh.triangles() {
+        let [a, b, c] = corners.map(|v| positions[v as usize].as_dvec3());
+        corners.iter().for_each(|&v| sums[v as usize] += (b - a).cross(c - a));
+    }
+    let moved = |(p, sum): (&Vec3, DVec3)| (p.as_dvec3() - sum.normalize_or_zero() * by_m).as_vec3();
+    positions.iter().zip(sums).map(moved).collect()
 }
 
 impl Part {
