@@ -7,8 +7,9 @@ use glam::DVec3;
 use super::{Chart, WIDENED, ahead_of};
 use crate::{Bounds, LightPosition};
 
-/// Rows and columns.
-const CELLS: usize = 128;
+/// Rows and columns, powers of two: so many for each row and column of triangles, if they were in rows and columns.
+const CELLS_PER_ROW: f64 = 4.0;
+const CELLS: [usize; 2] = [128, 512];
 /// So few are not worth a grid.
 const FEW: usize = 8;
 
@@ -19,24 +20,27 @@ pub(crate) fn most_stacked(triangles: &[[DVec3; 3]], light: LightPosition) -> u3
     let Some(ahead) = ahead else { return triangles.len() as u32 };
     let right = ahead.any_orthonormal_vector();
     let chart = Chart::around(light, [right, right.cross(ahead), ahead], &bounds);
+    let cells = (CELLS_PER_ROW * (triangles.len() as f64).sqrt()) as usize;
+    let cells = cells.next_power_of_two().clamp(CELLS[0], CELLS[1]);
     // What begins in a cell less what has ended before it, in both directions.
-    let mut steps = vec![[0_i32; CELLS + 1]; CELLS + 1];
-    let cell = |at: f64| at.clamp(0.0, CELLS as f64 - 1.0) as usize;
+    let mut steps = vec![0_i32; (cells + 1) * (cells + 1)];
+    let cell = |at: f64| at.clamp(0.0, cells as f64 - 1.0) as usize;
     for triangle in triangles {
-        let corners = triangle.map(|p| chart.on_grid(chart.flat(p)).map(|at| at * CELLS as f64));
+        let corners = triangle.map(|p| chart.on_grid(chart.flat(p)).map(|at| at * cells as f64));
         let span = |i: usize| {
             let [a, b, c] = corners.map(|corner| corner[i]);
             [cell(a.min(b).min(c) - WIDENED), cell(a.max(b).max(c) + WIDENED) + 1]
         };
         let ([left, right], [below, above]) = (span(0), span(1));
-        steps[below][left] += 1;
-        steps[below][right] -= 1;
-        steps[above][left] -= 1;
-        steps[above][right] += 1;
+        let row = |y: usize| y * (cells + 1);
+        steps[row(below) + left] += 1;
+        steps[row(below) + right] -= 1;
+        steps[row(above) + left] -= 1;
+        steps[row(above) + right] += 1;
     }
-    let mut column = [0; CELLS + 1];
+    let mut column = vec![0; cells + 1];
     let mut most = 0;
-    for row in &steps {
+    for row in steps.chunks_exact(cells + 1) {
         let mut count = 0;
         for (sum, step) in column.iter_mut().zip(row) {
             *sum += step;

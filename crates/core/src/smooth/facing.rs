@@ -19,6 +19,7 @@
 //! beyond the outline.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::body::SmoothBody;
@@ -27,6 +28,9 @@ use super::winding::Windings;
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
 const SADDLE: f64 = 4.0;
+/// Fewer pieces than this are not worth another thread.
+const AT_ONCE: usize = 256;
+
 /// A corner of a piece: a point of the volume, or a vertex of the caster, moved inward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Corner {
@@ -35,6 +39,16 @@ pub(super) enum Corner {
 }
 
 use Corner::{Point, Vertex};
+
+impl Corner {
+    fn place(self, points: &[Vec3], inner: &[Vec3]) -> DVec3 {
+        match self {
+            Point(p) => points[p as usize],
+            Vertex(v) => inner[v as usize],
+        }
+        .as_dvec3()
+    }
+}
 
 /// The part of the surface on which a piece lies by its normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +125,7 @@ impl Maker<'_> {
     /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
     pub(super) fn check(&mut self, piece: [Corner; 3], part: Part) {
         let [a, b, c] = piece;
-        let [at_a, at_b, at_c] = piece.map(|corner| self.place_of(corner));
+        let [at_a, at_b, at_c] = piece.map(|corner| corner.place(&self.volume.points, &self.body.inner));
         let towards = (at_b - at_a).cross(at_c - at_a).dot(self.light.offset_from(at_a));
         match part {
             Part::Lit if towards < 0.0 => self.scratch.facing.wrong.push([a, c, b]),
@@ -129,11 +143,11 @@ impl Maker<'_> {
         }
         let mut windings = std::mem::take(&mut self.scratch.facing.windings);
         windings.wind(self.volume, &self.body.loose_bounds(), self.light);
-        let is_shaded = |piece: &[Corner; 3]| {
-            windings.least(piece.map(|corner| self.place_of(corner))).is_some_and(|times| times > 0)
-        };
-        wrong.retain(|piece| !is_shaded(piece));
-        for piece in &wrong {
+        let (points, inner) = (self.volume.points.as_slice(), self.body.inner.as_slice());
+        let is_needed =
+            |piece: &&[Corner; 3]| !windings.goes_round_all(piece.map(|corner| corner.place(points, inner)));
+        let needed: Vec<[Corner; 3]> = wrong.par_iter().with_min_len(AT_ONCE).filter(is_needed).copied().collect();
+        for piece in &needed {
             let [a, b, c] = piece.map(|corner| self.point_of(corner));
             self.volume.faces.push([a, b, c]);
             for [from, to] in [[a, b], [b, c], [c, a]] {
@@ -167,14 +181,6 @@ impl Maker<'_> {
             let side = if times > 0 { [low, high] } else { [high, low] };
             self.volume.sides.extend(std::iter::repeat_n(side, times.unsigned_abs() as usize));
         }
-    }
-
-    fn place_of(&self, corner: Corner) -> DVec3 {
-        match corner {
-            Point(p) => self.volume.points[p as usize],
-            Vertex(v) => self.body.inner[v as usize],
-        }
-        .as_dvec3()
     }
 
     fn point_of(&mut self, corner: Corner) -> u32 {

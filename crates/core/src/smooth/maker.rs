@@ -292,26 +292,28 @@ impl Maker<'_> {
         }
     }
 
-    /// The pieces between the straight lines from corner to corner of the triangles at a crease, and the curve along it, which `runs` walk backward.
+    /// The pieces between the straight lines from corner to corner of the triangles at a crease, and the curve along it, which `runs` walk backward: on either
+    /// side of the silhouette a cone from the lower end.
     fn check_crease(&mut self, crease: &Crease, [low, high]: [u32; 2], runs: &[Walk]) {
-        let mut lit = runs.to_vec();
-        let mut dark: Vec<Walk> = runs.iter().map(|&(walk, times)| (walk, -times)).collect();
-        for side in &crease.sides {
-            let times = side.direction;
-            match self.lit_ends(side) {
-                [true, true] => lit.push(([low, high], times)),
-                [false, false] => dark.push(([low, high], times)),
-                [is_low_lit, _] => {
-                    let p = self.crossing(side.edge as usize).p;
-                    let (first, last) = if is_low_lit { (&mut lit, &mut dark) } else { (&mut dark, &mut lit) };
-                    first.push(([low, p], times));
-                    last.push(([p, high], times));
+        let check = |maker: &mut Self, [from, to]: [u32; 2], times: i32, part: Part| {
+            if from != low && to != low {
+                let [from, to] = if times > 0 { [from, to] } else { [to, from] };
+                // A crease with more than two sides may walk it several times, and has as many pieces there.
+                for _ in 0..times.unsigned_abs() {
+                    maker.check([low, to, from].map(Corner::Point), part);
                 }
             }
+        };
+        for &(walk, times) in runs {
+            check(self, walk, times, Part::Lit);
+            check(self, walk, -times, Part::Dark);
         }
-        for (walks, part) in [(lit, Part::Lit), (dark, Part::Dark)] {
-            for piece in cone(low, &walks) {
-                self.check(piece.map(Corner::Point), part);
+        for side in &crease.sides {
+            let [is_low_lit, is_high_lit] = self.lit_ends(side);
+            if is_low_lit != is_high_lit {
+                // What is between the lower end and the crossing is a straight line through the apex.
+                let beyond = [self.crossing(side.edge as usize).p, high];
+                check(self, beyond, side.direction, if is_high_lit { Part::Lit } else { Part::Dark });
             }
         }
     }

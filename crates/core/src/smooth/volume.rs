@@ -110,8 +110,11 @@ impl SmoothVolume {
             let sides = self.sides.clone();
             (self.points.clone(), ShadowVolume { sides, light_cap: Vec::new(), most_triangles: usize::MAX >> 1 })
         };
-        most_overlaps_of((&positions, &self.bounds(caster)), &volume, light)
-            .saturating_add(most_stacked(&self.turned_away(body, caster, light), light))
+        let (around, stacked) = rayon::join(
+            || most_overlaps_of((&positions, &self.bounds(caster)), &volume, light),
+            || most_stacked(&self.turned_away(body, caster, light), light),
+        );
+        around.saturating_add(stacked)
     }
 
     /// The box of the caster, and of the silhouette, which may bulge out of it.

@@ -6,19 +6,56 @@ use crate::{Bounds, LightPosition, ahead_of};
 
 use super::volume::SmoothVolume;
 
-/// There is a row for so many sides, each of which is in several.
-const SIDES_PER_ROW: usize = 6;
-const MOST_ROWS: usize = 2048;
+/// Rows and columns of cells, at most. Else twice as many as there would be of sides, were they in rows and columns.
+const MOST_ROWS: usize = 1024;
+/// A triangle that more sides cross is not looked at closely.
+const MOST_CROSSING: usize = 12;
 
-/// The sides of a silhouette on a plane before the light, row by row.
+/// The sides of a silhouette on a plane before the light.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Windings {
     view: Option<View>,
-    bottom: f64,
-    rows_per_unit: f64,
-    /// Where the sides of each row begin in `sides`, and at last where they end.
+    corner: DVec2,
+    cells_per_unit: DVec2,
+    /// Rows and columns of cells.
+    width: usize,
+    /// Row by row.
+    cells: Buckets,
+    /// How often the silhouette goes round the middle of each.
+    at_middles: Vec<i32>,
+}
+
+/// Sides in the order of where they are, as often as they are there.
+#[derive(Debug, Default, Clone)]
+struct Buckets {
+    /// Where each begins, and at last where the last one ends.
     starts: Vec<u32>,
     sides: Vec<Side>,
+}
+
+impl Buckets {
+    /// Puts each side into all the buckets that are named with it; so many there are.
+    fn fill(&mut self, count: usize, named: impl Iterator<Item = (usize, Side)> + Clone) {
+        self.starts.clear();
+        self.starts.resize(count + 1, 0);
+        named.clone().for_each(|(bucket, _)| self.starts[bucket] += 1);
+        let mut end = 0;
+        for start in &mut self.starts {
+            end += *start;
+            *start = end;
+        }
+        self.sides.clear();
+        self.sides.resize(end as usize, [DVec2::ZERO; 2]);
+        // From the end of each to its start.
+        for (bucket, side) in named {
+            self.starts[bucket] -= 1;
+            self.sides[self.starts[bucket] as usize] = side;
+        }
+    }
+
+    fn of(&self, bucket: usize) -> &[Side] {
+        &self.sides[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
+    }
 }
 
 /// From a place to another.
@@ -52,91 +89,132 @@ impl Windings {
         });
         let Some(view) = self.view else { return };
         let places: Vec<DVec2> = volume.points.iter().map(|p| view.place(p.as_dvec3())).collect();
-        let heights = || volume.sides.iter().flatten().map(|&p| places[p as usize].y);
-        self.bottom = heights().fold(f64::INFINITY, f64::min);
-        let height = heights().fold(f64::NEG_INFINITY, f64::max) - self.bottom;
-        let rows = (volume.sides.len() / SIDES_PER_ROW).clamp(1, MOST_ROWS);
-        self.rows_per_unit = rows as f64 / height.max(f64::MIN_POSITIVE);
-        self.starts.clear();
-        self.starts.resize(rows + 1, 0);
-        // Counted, then put where they belong.
-        let spans: Vec<[usize; 2]> = volume
-            .sides
-            .iter()
-            .map(|side| {
-                let [a, b] = side.map(|p| self.row(places[p as usize].y));
-                [a.min(b), a.max(b)]
-            })
-            .collect();
-        for &[first, last] in &spans {
-            (first..=last).for_each(|row| self.starts[row + 1] += 1);
-        }
-        for row in 0..rows {
-            self.starts[row + 1] += self.starts[row];
-        }
-        let mut next = self.starts.clone();
-        self.sides.clear();
-        self.sides.resize(self.starts[rows] as usize, [DVec2::ZERO; 2]);
-        for (side, &[first, last]) in volume.sides.iter().zip(&spans) {
-            for next in &mut next[first..=last] {
-                self.sides[*next as usize] = side.map(|p| places[p as usize]);
-                *next += 1;
-            }
-        }
-    }
-
-    /// How often the silhouette goes round that place in a triangle round which it goes least, the way that a lit surface's border does.
-    ///
-    /// Sides that meet to the last digit may make it less than it is, never more. The `corners` are walked counterclockwise, as the light sees them. `None` where
-    /// nothing is known. Takes a microsecond, and more where many sides cross the triangle.
-    pub(super) fn least(&self, corners: [DVec3; 3]) -> Option<i32> {
-        let view = self.view?;
-        let corners = corners.map(|corner| view.place(corner));
-        let crossing = self.crossing(corners);
-        if crossing.is_empty() {
-            let [a, b, c] = corners;
-            return Some(self.at((a + b + c) / 3.0, None));
-        }
-        // Sides cut the triangle into faces; each face has a part of a side on its border that no other cuts, and to the right of a side there is less.
-        let mut least = i32::MAX;
-        let mut cuts = Vec::new();
-        for &(side, [start, end]) in &crossing {
-            let [from, to] = side;
-            cuts.clear();
-            cuts.extend([start, end]);
-            cuts.extend(
-                crossing.iter().filter_map(|(other, _)| meeting(side, *other)).filter(|t| start < *t && *t < end),
-            );
-            cuts.sort_unstable_by(f64::total_cmp);
-            for part in cuts.windows(2) {
-                least = least.min(self.at(from.lerp(to, 0.5 * (part[0] + part[1])), Some(side)));
-            }
-        }
-        Some(least)
-    }
-
-    /// How often the silhouette goes round `place`; to the right of `beside`, if that is a side through it.
-    fn at(&self, place: DVec2, beside: Option<Side>) -> i32 {
-        let times = |side: &Side| {
-            let [a, b] = *side;
-            let (is_a_below, is_b_below) = (a.y <= place.y, b.y <= place.y);
-            if is_a_below == is_b_below {
-                return 0;
-            }
-            let is_left = (b - a).perp_dot(place - a) > 0.0 && beside != Some(*side);
-            i32::from(is_a_below && is_left) - i32::from(is_b_below && !is_left)
+        let sides: Vec<Side> = volume.sides.iter().map(|side| side.map(|p| places[p as usize])).collect();
+        let ends = || sides.iter().flatten();
+        self.corner = ends().fold(DVec2::INFINITY, |min, &place| min.min(place));
+        let size = ends().fold(DVec2::NEG_INFINITY, |max, &place| max.max(place)) - self.corner;
+        self.width = (2 * (sides.len() as f64).sqrt() as usize).clamp(1, MOST_ROWS);
+        self.cells_per_unit = self.width as f64 / size.max(DVec2::splat(f64::MIN_POSITIVE));
+        let mut cells = std::mem::take(&mut self.cells);
+        let width = self.width;
+        let in_cells = |&[a, b]: &Side| {
+            let (first, last) = (self.cell(a.min(b)), self.cell(a.max(b)));
+            let row = move |y: usize| (first[0]..=last[0]).map(move |x| (y * width + x, [a, b]));
+            (first[1]..=last[1]).flat_map(row)
         };
-        self.in_row(self.row(place.y)).iter().map(times).sum()
+        cells.fill(width * width, sides.iter().flat_map(in_cells));
+        self.cells = cells;
+        self.wind_middles(&sides);
     }
 
-    /// The sides that are within a triangle, and from where to where; not those along its border.
-    fn crossing(&self, corners: [DVec2; 3]) -> Vec<(Side, [f64; 2])> {
-        let [a, b, c] = corners;
-        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-        let within = |&[from, to]: &Side| {
-            if from.min(to).cmpgt(max).any() || from.max(to).cmplt(min).any() {
-                return None;
+    fn wind_middles(&mut self, sides: &[Side]) {
+        let mut at_middles = std::mem::take(&mut self.at_middles);
+        at_middles.clear();
+        at_middles.resize(self.width * self.width, 0);
+        for &[a, b] in sides {
+            let (low, high, times) = if a.y < b.y { (a, b, 1) } else { (b, a, -1) };
+            for y in self.cell(low)[1]..=self.cell(high)[1] {
+                let height = self.middle([0, y]).y;
+                if !(low.y <= height && height < high.y) {
+                    continue;
+                }
+                // It is gone round so much oftener by what is to the left of the side, in the row; rounding is not to say otherwise later.
+                let is_left = |x: usize| (high - low).perp_dot(self.middle([x, y]) - low) > 0.0;
+                let across = low.lerp(high, (height - low.y) / (high.y - low.y));
+                let mut x = self.cell(across)[0];
+                while x < self.width && is_left(x) {
+                    x += 1;
+                }
+                while x > 0 && !is_left(x - 1) {
+                    x -= 1;
+                }
+                if x > 0 {
+                    at_middles[y * self.width + x - 1] += times;
+                }
             }
+        }
+        for row in at_middles.chunks_exact_mut(self.width) {
+            let mut sum = 0;
+            for at in row.iter_mut().rev() {
+                sum += *at;
+                *at = sum;
+            }
+        }
+        self.at_middles = at_middles;
+    }
+
+    /// The middle of a cell.
+    fn middle(&self, [x, y]: [usize; 2]) -> DVec2 {
+        self.corner + (DVec2::new(x as f64, y as f64) + 0.5) / self.cells_per_unit
+    }
+
+    /// Column and row.
+    fn cell(&self, place: DVec2) -> [usize; 2] {
+        let at = (place - self.corner) * self.cells_per_unit;
+        at.max(DVec2::ZERO).to_array().map(|at| (at as usize).min(self.width - 1))
+    }
+
+    /// Whether the silhouette goes round each place in a triangle once or more, the way that a lit surface's border does.
+    ///
+    /// Where many sides cross the triangle, or meet to the last digit, it may be said that it does not, never the reverse. The `corners` are walked
+    /// counterclockwise, as the light sees them. Takes a microsecond at most.
+    pub(super) fn goes_round_all(&self, corners: [DVec3; 3]) -> bool {
+        let Some(view) = self.view else { return false };
+        let corners = corners.map(|corner| view.place(corner));
+        let [a, b, c] = corners;
+        let middle = (a + b + c) / 3.0;
+        let at_middle = self.at(middle);
+        if at_middle <= 0 {
+            return false;
+        }
+        let mut crossing = [([DVec2::ZERO; 2], [0.0; 2]); MOST_CROSSING];
+        let Some(count) = self.crossing(corners, &mut crossing) else { return false };
+        if at_middle > count as i32 {
+            return true;
+        }
+        let crossing = &crossing[..count];
+        // Sides cut the triangle into faces; each face has a part of a side on its border that no other cuts, and to the right of a side there is less.
+        crossing.iter().all(|&(side, [start, end])| {
+            let [from, to] = side;
+            // Where on it other sides go over it, and how much oftener the silhouette goes round what is beyond.
+            let mut meetings = [(end, 0); MOST_CROSSING + 1];
+            let mut count = 0;
+            for (t, gained) in crossing.iter().filter_map(|(other, _)| meeting(side, *other)) {
+                if start < t && t < end {
+                    meetings[count] = (t, gained);
+                    count += 1;
+                }
+            }
+            let meetings = &mut meetings[..count];
+            meetings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            let first_end = meetings.first().map_or(end, |(t, _)| *t);
+            let place = from.lerp(to, 0.5 * (start + first_end));
+            let gained = |(other, _): &(Side, _)| on_the_way(*other, [middle, place], *other == side);
+            let mut times = at_middle + crossing.iter().map(gained).sum::<i32>();
+            times > 0
+                && meetings.iter().all(|(_, gained)| {
+                    times += gained;
+                    times > 0
+                })
+        })
+    }
+
+    /// How often the silhouette goes round `place`: as often as round the middle of its cell, but for what is crossed on the way from there.
+    fn at(&self, place: DVec2) -> i32 {
+        let (outside, cell) = (self.corner + self.width as f64 / self.cells_per_unit, self.cell(place));
+        if place.cmplt(self.corner).any() || place.cmpgt(outside).any() {
+            return 0;
+        }
+        let (number, middle) = (cell[1] * self.width + cell[0], self.middle(cell));
+        let crossed = self.cells.of(number).iter().map(|&side| on_the_way(side, [middle, place], false));
+        self.at_middles[number] + crossed.sum::<i32>()
+    }
+
+    /// The sides that are within a triangle, and from where to where; not those along its border. How many they are, or `None` if they are too many.
+    fn crossing(&self, [a, b, c]: [DVec2; 3], crossing: &mut [(Side, [f64; 2]); MOST_CROSSING]) -> Option<usize> {
+        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+        let is_near = |[from, to]: &&Side| from.min(*to).cmple(max).all() && from.max(*to).cmpge(min).all();
+        let within = |&[from, to]: &Side| {
             // The part of the side that is to the left of each of the triangle's.
             let (mut start, mut end) = (0.0_f64, 1.0_f64);
             for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -151,32 +229,43 @@ impl Windings {
             }
             (start < end).then_some(([from, to], [start, end]))
         };
-        let first_row = self.row(min.y);
-        let mut crossing = Vec::new();
-        for row in first_row..=self.row(max.y) {
-            // Each in the first row that it shares with the triangle.
-            let is_first = |side: &&Side| self.row(side[0].y.min(side[1].y)).max(first_row) == row;
-            crossing.extend(self.in_row(row).iter().filter(is_first).filter_map(within));
+        let (first, last) = (self.cell(min), self.cell(max));
+        let mut count = 0;
+        for y in first[1]..=last[1] {
+            for x in first[0]..=last[0] {
+                let sides = self.cells.of(y * self.width + x).iter();
+                // Each in the first cell that it shares with the triangle.
+                let is_first = |[from, to]: &&Side| {
+                    let own = self.cell(from.min(*to));
+                    [own[0].max(first[0]), own[1].max(first[1])] == [x, y]
+                };
+                for found in sides.filter(is_near).filter(is_first).filter_map(within) {
+                    *crossing.get_mut(count)? = found;
+                    count += 1;
+                }
+            }
         }
-        crossing
-    }
-
-    fn row(&self, height: f64) -> usize {
-        let rows = self.starts.len() - 1;
-        (((height - self.bottom) * self.rows_per_unit).max(0.0) as usize).min(rows - 1)
-    }
-
-    fn in_row(&self, row: usize) -> &[Side] {
-        &self.sides[self.starts[row] as usize..self.starts[row + 1] as usize]
+        Some(count)
     }
 }
 
-/// Where on `side` it meets the line through `other`, if that has its ends on both sides of it.
-fn meeting([a, b]: Side, [c, d]: Side) -> Option<f64> {
+/// How much oftener a silhouette goes round the end of a way than round its start, for one of its sides; `is_end_right` if the end is on that side, and meant as
+/// the place to the right of it.
+fn on_the_way([a, b]: Side, [start, end]: [DVec2; 2], is_end_right: bool) -> i32 {
+    let is_left = |place: DVec2| (b - a).perp_dot(place - a) > 0.0;
+    let (from_left, to_left) = (is_left(start), is_left(end) && !is_end_right);
+    let is_beside = |place: DVec2| (end - start).perp_dot(place - start) > 0.0;
+    if from_left == to_left || is_beside(a) == is_beside(b) { 0 } else { i32::from(to_left) - i32::from(from_left) }
+}
+
+/// Where on a side another one goes over it, and how much oftener the silhouette goes round what is beyond that.
+fn meeting([a, b]: Side, [c, d]: Side) -> Option<(f64, i32)> {
     let [at_c, at_d] = [c, d].map(|place| (b - a).perp_dot(place - a));
     let [at_a, at_b] = [a, b].map(|place| (d - c).perp_dot(place - c));
-    let t = at_a / (at_a - at_b);
-    ((at_c > 0.0) != (at_d > 0.0) && t.is_finite()).then_some(t)
+    if (at_c > 0.0) == (at_d > 0.0) || (at_a > 0.0) == (at_b > 0.0) {
+        return None;
+    }
+    Some((at_a / (at_a - at_b), if at_b > 0.0 { 1 } else { -1 }))
 }
 
 #[cfg(test)]
@@ -199,7 +288,7 @@ mod tests {
 
     fn at(windings: &Windings, x: f64, y: f64) -> i32 {
         let view = windings.view.expect("the sun is beyond the box");
-        windings.at(view.place(DVec3::new(x, y, 0.0)), None)
+        windings.at(view.place(DVec3::new(x, y, 0.0)))
     }
 
     #[test]
@@ -213,51 +302,54 @@ mod tests {
     }
 
     #[test]
-    fn the_least_in_a_triangle_is_what_is_found_in_its_places() {
+    fn it_goes_round_all_of_a_triangle_if_it_does_round_each_place() {
         let mut seed = 1_u64;
         let mut random = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
         };
-        let (mut crossed, mut same) = (0, 0);
-        for _ in 0..40 {
-            let corners: Vec<[f64; 2]> = (0..30).map(|_| [random(), random()]).collect();
+        let (mut crossed, mut round, mut same) = (0, 0, 0);
+        for _ in 0..400 {
+            let corners: Vec<[f64; 2]> = (0..12).map(|_| [random(), random()]).collect();
             let windings = wound(&corners);
             for _ in 0..20 {
-                let [a, mut b, mut c] = [(); 3].map(|()| DVec3::new(random(), random(), 0.0));
+                let middle = 0.5 * DVec3::new(random(), random(), 0.0);
+                let [a, mut b, mut c] = [(); 3].map(|()| middle + 0.3 * DVec3::new(random(), random(), 0.0));
                 if (b - a).cross(c - a).z < 0.0 {
                     (b, c) = (c, b);
                 }
-                let least = windings.least([a, b, c]).expect("the sun is beyond the box");
-                let places = (0..100).flat_map(|i| (0..100 - i).map(move |j| (f64::from(i) + 0.3, f64::from(j) + 0.3)));
-                let found = places.map(|(u, v)| {
-                    let place = a + ((b - a) * u + (c - a) * v) / 100.0;
-                    at(&windings, place.x, place.y)
-                });
-                let found = found.min().expect("there are places");
-                assert!(least <= found, "{least} above {found}");
+                let places = (0..40).flat_map(|i| (0..40 - i).map(move |j| (f64::from(i) + 0.3, f64::from(j) + 0.3)));
+                let is_found =
+                    places.map(|(u, v)| a + ((b - a) * u + (c - a) * v) / 40.0).all(|p| at(&windings, p.x, p.y) > 0);
+                let is_said = windings.goes_round_all([a, b, c]);
+                assert!(is_found || !is_said, "round {a}, {b}, {c}");
                 let view = windings.view.expect("the sun is beyond the box");
-                crossed += usize::from(!windings.crossing([a, b, c].map(|p| view.place(p))).is_empty());
-                same += usize::from(least == found);
+                let mut sides = [([DVec2::ZERO; 2], [0.0; 2]); MOST_CROSSING];
+                let is_crossed = windings.crossing([a, b, c].map(|p| view.place(p)), &mut sides) != Some(0);
+                crossed += usize::from(is_crossed && is_found);
+                round += usize::from(is_found);
+                same += usize::from(is_found && is_said);
             }
         }
-        // Of faces that are too small to have one of the places, some are missed by these.
-        assert!(crossed > 700 && same > 700, "{crossed} triangles are crossed, in {same} of 800 it is the same");
+        // Where it is not said though it was found, a face is too small to have one of the places.
+        assert!(crossed > 100 && 100 * same > 95 * round, "{crossed} crossed, {same} of {round} said");
     }
 
     #[test]
     fn sides_along_the_border_do_not_cross_a_triangle() {
         let corners = [[0.1, 0.2], [0.9, 0.3], [0.4, 0.8]];
-        let windings = wound(&corners);
         let triangle = corners.map(|[x, y]| DVec3::new(f64::from(x as f32), f64::from(y as f32), 0.0));
-        assert_eq!(windings.least(triangle), Some(1));
+        assert!(wound(&corners).goes_round_all(triangle));
+        assert!(!wound(&[corners[2], corners[1], corners[0]]).goes_round_all(triangle));
     }
 
     #[test]
     fn around_a_light_nothing_is_known() {
-        let mut windings = wound(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+        let mut windings = wound(&[[-9.0, -9.0], [9.0, -9.0], [0.0, 9.0]]);
+        let triangle = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        assert!(windings.goes_round_all(triangle));
         let bounds = Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) };
         windings.wind(&SmoothVolume::default(), &bounds, LightPosition::point(DVec3::ONE));
-        assert_eq!(windings.least([DVec3::ZERO, DVec3::X, DVec3::Y]), None);
+        assert!(!windings.goes_round_all(triangle));
     }
 }
