@@ -9,6 +9,7 @@ use crate::LightPosition;
 use super::body::{Crease, Side, SmoothBody};
 use super::curve::Curve;
 use super::facing::{Corner, FacingScratch, Part};
+use super::straight::{StraightScratch, straighten};
 use super::volume::{SmoothVolume, Smoothness};
 
 /// How far the fold is moved into the body, in lengths of the edge that it meets.
@@ -29,6 +30,7 @@ pub(super) struct SmoothScratch {
     point_of_vertex: Vec<u32>,
     pub(super) curve: Vec<u32>,
     pub(super) facing: FacingScratch,
+    straight: StraightScratch,
 }
 
 const NONE: u32 = u32::MAX;
@@ -77,6 +79,9 @@ impl SmoothVolume {
             maker.add_crease(crease);
         }
         maker.move_over();
+        if let Smoothness::Smooth(precision) = smoothness {
+            straighten(self, light, precision, &mut scratch.straight);
+        }
         for crossing in &scratch.crossings {
             scratch.crossing_of_edge[crossing.edge as usize] = NONE;
         }

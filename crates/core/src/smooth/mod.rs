@@ -13,6 +13,7 @@
 //!   maker        how that is made, triangle by triangle, then crease by crease
 //!   facing       what is on its wrong side goes over, so that no light leaks
 //!   winding      how often a silhouette goes round a place
+//!   straight     points that a silhouette can do without
 //! ```
 //!
 //! Source: O. Mattausch, D. Scherzer, M. Wimmer and T. Igarashi, "Tessellation-independent smooth shadow boundaries", 2012.
@@ -25,6 +26,7 @@ mod normals;
 mod parts;
 mod posed;
 mod precision;
+mod straight;
 mod tables;
 mod tessellate;
 #[cfg(test)]
