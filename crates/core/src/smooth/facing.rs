@@ -26,7 +26,7 @@ use super::maker::Maker;
 use super::winding::Windings;
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
-const SADDLE: f64 = 4.0;
+pub(super) const SADDLE: f64 = 4.0;
 /// A corner of a piece: a point of the volume, or a vertex of the caster, moved inward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Corner {
