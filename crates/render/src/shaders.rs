@@ -98,7 +98,8 @@ pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
 pub(crate) fn find_smooth(device: &wgpu::Device) -> wgpu::ShaderModule {
     let [curve, find] = [include_str!("shaders/curve.wgsl"), include_str!("shaders/find_smooth.wgsl")];
     let facing = include_str!("shaders/find_smooth_facing.wgsl");
-    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find, facing])
+    let creases = include_str!("shaders/find_smooth_creases.wgsl");
+    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find, facing, creases])
 }
 
 /// Volumes of smooth silhouettes that were found on the GPU.

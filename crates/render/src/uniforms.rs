@@ -274,7 +274,8 @@ pub(crate) mod tests {
             include_str!("shaders/near.wgsl"),
             include_str!("shaders/curve.wgsl"),
             include_str!("shaders/find_smooth.wgsl"),
-            include_str!("shaders/find_smooth_facing.wgsl")
+            include_str!("shaders/find_smooth_facing.wgsl"),
+            include_str!("shaders/find_smooth_creases.wgsl")
         );
         assert_same_layout!(
             SmoothJobUniform,

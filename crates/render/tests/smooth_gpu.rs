@@ -329,7 +329,7 @@ fn differing(ours: &[u8], theirs: &[u8], edge_on: &[bool]) -> [usize; 2] {
             if ours[i] != own {
                 all += 1;
                 let is_at_edge = (-1..=1).any(|j| (-1..=1).any(|i| at(x + i, y + j) != own));
-                inner += usize::from(!is_at_edge && !(edge_on[i] && ours[i] == 0));
+                inner += usize::from(!(is_at_edge || edge_on[i] && ours[i] == 0));
             }
         }
     }
@@ -424,7 +424,7 @@ fn tilted(caster: &Caster, by: f32) -> SmoothBody {
     let mut normals = corner_normals(caster, &[], CREASE_RAD);
     for (corners, normals) in caster.mesh.triangles().iter().zip(&mut normals) {
         for (&v, normal) in corners.iter().zip(normals) {
-            *normal = (*normal + tilts[v as usize]).normalize();
+            *normal = (*normal + tilts[v as usize]).normalize_or_zero();
         }
     }
     SmoothBody::new(caster, &normals).unwrap()
@@ -458,7 +458,7 @@ fn rough_bodies_cast_the_shadow_that_the_cpu_has_and_no_light_falls_through_them
                     continue;
                 }
                 let place = eye + direction * ((-2.5 - eye.z) / direction.z);
-                let way = light.position.offset_from(place).normalize();
+                let way = light.position.offset_from(place).normalize_or_zero();
                 // How far the ray to the light passes by the middle of the body.
                 let past_m = (place - way * way.dot(place)).length();
                 if past_m < 0.75 {

@@ -1,6 +1,6 @@
 // Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` and `find_inner_places` (of bodies that have moved),
 // `find_heights`, `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture
-// of them. Needs smooth_job.wgsl, near.wgsl, curve.wgsl and find_smooth_facing.wgsl.
+// of them. Needs smooth_job.wgsl, near.wgsl, curve.wgsl, find_smooth_facing.wgsl and find_smooth_creases.wgsl.
 //
 // Whether a wedge is turned to the light is decided once, by the sign of a height that is stored, and a crossing is made once for each edge between
 // wedges; triangles only name them. So neighbours walk the same points, bit for bit, and the volume is closed whatever the rounding.
@@ -454,121 +454,6 @@ fn find_faces(
         add_pieces(corners, k, turned, it.leave, it.entry, it.cut);
     } else if (job.flags & CURVED) != 0u {
         add_pieces(corners, k, turned, 0u, 0u, Cut(0u, 0u));
-    }
-}
-
-// A part of the silhouette that runs along a crease, between two names and places; walked so by the lit side where it `is_forward`.
-struct Run {
-    names: vec2u,
-    u: vec2f,
-    is_forward: bool,
-}
-
-// Where it has none of its ends at `low`, the lower end of the crease, what it is on that side too. Returns the other end of a run that is straight from `high`.
-fn add_run(low: u32, high: u32, edges: vec2u, run: Run) -> u32 {
-    let names = run.names;
-    let u = run.u;
-    let curve = curve_of_edge(edges.x);
-    var cut = Cut(0u, 1u);
-    var sunk = vec3f(0.0);
-    if (job.flags & CURVED) != 0u {
-        cut = cut_for(curve_pieces(curve, u.y - u.x, chord_m(curve.start)));
-        sunk = sunk_of(edges.x, edges.y, curve);
-    }
-    var met = NO_NAME;
-    if cut.pieces == 1u && any(names == vec2u(high)) {
-        met = select(names.x, names.y, names.x == high);
-    }
-    var before = names.x;
-    for (var i = 1u; i <= cut.pieces; i++) {
-        var here = names.y;
-        if i < cut.pieces {
-            here = cut.first + i - 1u;
-            let v = u.x + (u.y - u.x) * f32(i) / f32(cut.pieces);
-            points[here] = vec4f(curve_at(curve, v) + sunk * (4.0 * v * (1.0 - v)), 0.0);
-        }
-        add_piece_of_run(low, select(here, before, run.is_forward), select(before, here, run.is_forward), met != NO_NAME);
-        before = here;
-    }
-    return met;
-}
-
-// By how much the middle of a crease is moved into the body, where its curve goes into it.
-fn sunk_of(e: u32, other: u32, curve: Curve) -> vec3f {
-    let a = ends_of_edge(e);
-    let b = ends_of_edge(other);
-    let outward = unit_or_zero(normal_of_wedge(a.x) + normal_of_wedge(a.y) + normal_of_wedge(b.x) + normal_of_wedge(b.y));
-    let size = length(curve.chord);
-    let bulge_m = dot(curve_at(curve, 0.5) - curve.start - 0.5 * curve.chord, outward);
-    if bulge_m < -LEAST_DENT * size {
-        return -outward * min(INSET * size, job.most_inset_m);
-    }
-    return vec3f(0.0);
-}
-
-// What is lit of one side of a crease: from where to where on it, and by what names.
-struct Lit {
-    u: vec2f,
-    names: vec2u,
-}
-
-fn lit_of(e: u32, turned: u32, low: u32, high: u32) -> Lit {
-    var lit = Lit(vec2f(0.0, 1.0), vec2u(low, high));
-    if turned == 1u {
-        lit.u.y = points[crossing(e)].w;
-        lit.names.y = crossing(e);
-    } else if turned == 2u {
-        lit.u.x = points[crossing(e)].w;
-        lit.names.x = crossing(e);
-    }
-    return lit;
-}
-
-// Which ends of edge `e` are turned to the light: 1 for the lower, 2 for the higher.
-fn turned_ends(e: u32) -> u32 {
-    let ends = ends_of_edge(e);
-    return select(0u, 1u, is_turned(ends.x)) + select(0u, 2u, is_turned(ends.y));
-}
-
-// What is lit on one side of a crease and not on the other. `edges` are that whose triangle walks from the vertex `low` to `high`, and the other side's.
-fn add_crease(low: u32, high: u32, edges: vec2u) {
-    let turned = vec2u(turned_ends(edges.x), turned_ends(edges.y));
-    if turned.x == turned.y && (turned.x == 0u || turned.x == 3u) {
-        return;
-    }
-    // The first side's lit part less the second's: from where the first begins to where the second does, and from where the second ends to where the
-    // first does. That is backwards where the second is the longer one, and closes in any case.
-    let a = lit_of(edges.x, turned.x, low, high);
-    let b = lit_of(edges.y, turned.y, low, high);
-    var runs = array<Run, 2>(
-        Run(vec2u(a.names.x, b.names.x), vec2f(a.u.x, b.u.x), true),
-        Run(vec2u(b.names.y, a.names.y), vec2f(b.u.y, a.u.y), true),
-    );
-    let is_apart = max(a.u.x, b.u.x) > min(a.u.y, b.u.y);
-    if is_apart || turned.x == 0u || turned.y == 0u {
-        runs[0] = Run(select(a.names, vec2u(low), turned.x == 0u), a.u, true);
-        runs[1] = Run(select(b.names, vec2u(low), turned.y == 0u), b.u, false);
-    }
-    var met = vec2u(NO_NAME);
-    for (var r = 0u; r < 2u; r++) {
-        if runs[r].names.x != runs[r].names.y {
-            met[r] = add_run(low, high, edges, runs[r]);
-        }
-    }
-    for (var s = 0u; s < 2u; s++) {
-        if turned[s] == 1u || turned[s] == 2u {
-            add_way(low, high, crossing(edges[s]), (s == 0u) == (turned[s] == 1u), turned[s] == 2u, met);
-        }
-    }
-}
-
-@compute @workgroup_size(64)
-fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = thread(id, groups);
-    if number < job.crease_count {
-        let crease = job.creases + 4u * number;
-        let edges = vec2u(tables[crease + 2u], tables[crease + 3u]);
-        add_crease(VERTEX | tables[crease], VERTEX | tables[crease + 1u], edges);
     }
 }
 

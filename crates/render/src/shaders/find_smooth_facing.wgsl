@@ -10,8 +10,6 @@
 // `core/src/smooth/facing.rs`.
 const SADDLE: f32 = 4.0;
 
-const NO_NAME: u32 = 0xFFFFFFFFu;
-
 // Of wedge `w`, among normals.
 fn inner_place(w: u32) -> u32 {
     return job.normals + job.wedge_count + w;
@@ -97,49 +95,5 @@ fn add_pieces(corners: vec3u, k: u32, turned: u32, leave: u32, entry: u32, cut: 
             add_side(select(here, next, went_over.x), select(next, here, went_over.x));
         }
         here = next;
-    }
-}
-
-// What a run along a crease is on the side to the lower end: a lit piece on one hand and a dark one on the other, both on the wrong side or neither. `from_point` is
-// where the lit side's walk comes from. If the run `is_chord`, it is an edge of a triangle there, and one of the two is none.
-//
-// A face closes it, to the lower end; a piece that goes over takes it away, and the second one adds it the other way round.
-fn add_piece_of_run(low: u32, from_point: u32, to_point: u32, is_chord: bool) {
-    let is_cone = from_point != low && to_point != low;
-    let goes_over = (job.flags & CURVED) != 0u && is_cone && faces_light(low, to_point, from_point);
-    let is_turned = goes_over && !is_chord;
-    let first = select(from_point, to_point, is_turned);
-    let last = select(to_point, from_point, is_turned);
-    if is_cone && is_turned == goes_over {
-        add_face(low, first, last);
-    }
-    if is_turned == goes_over {
-        add_side(first, last);
-    }
-    let copies = select(0u, select(2u, 1u, is_chord), goes_over);
-    for (var i = 0u; i < copies; i++) {
-        add_side(low, to_point);
-        add_side(from_point, low);
-    }
-}
-
-// What one side of a crease adds to the cone from its lower end: the way from the upper end, or from the crossing, down to the fold and up to the silhouette;
-// walked forwards where its triangle walks the crease from its lower end. And the piece between both ends and the crossing, dark where the lower end is lit, else lit.
-// A straight run from the upper end may have `met` the crossing: then nothing is between them.
-fn add_way(low: u32, high: u32, p: u32, is_forward: bool, is_high_lit: bool, met: vec2u) {
-    let walk = vec4u(high, p + 1u, p, high);
-    for (var i = select(0u, 1u, is_high_lit); i < 3u; i++) {
-        let a = select(walk[i], walk[i + 1u], is_forward);
-        let b = select(walk[i + 1u], walk[i], is_forward);
-        let is_piece = i == 2u;
-        if is_piece && ((job.flags & CURVED) == 0u || any(met == vec2u(p)) || !faces_light(low, a, b)) {
-            return;
-        }
-        add_face(low, a, b);
-        if is_piece {
-            add_side(low, a);
-            add_side(a, b);
-            add_side(b, low);
-        }
     }
 }

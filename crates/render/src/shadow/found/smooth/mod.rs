@@ -12,7 +12,8 @@
 //! ```
 //!
 //! The same shadow as that of [`umbrae_core::SmoothVolume`], within rounding. The CPU leaves pieces that are on the wrong side of the silhouette where they are
-//! if what is behind them is dark anyway, as it has fewer sides to draw then; here all of them go over, which is more than 0 in the same places.
+//! if what is far behind them is dark anyway, as it has fewer sides to draw then. Here all of them go over, which counts more than 0 in the same places, but for what
+//! is just behind such a piece: the body's own surface, where it is nearly edge on to the light and a little more of it is dark.
 //! Everything is taken from one table of heights and one of crossings, so that it is closed.
 //! There is room for a silhouette through every triangle and along every crease, uncut, with all of its pieces on the wrong side, and for [`inner_room`]
 //! points besides that cut them; what would need more is left uncut: coarser there, and as closed.
@@ -71,9 +72,10 @@ const SIDES_OF_CREASE: u64 = 2 * 3 + 5 + 1;
 const FACES_OF_CUT: u64 = 3;
 const SIDES_OF_CUT: u64 = 5;
 
-/// So many points may cut the silhouette of a body of so many triangles: thousands for a small one, which has few and long pieces.
+/// So many points may cut the silhouette of a body of so many triangles: thousands for a small one, which has few and long pieces, and not many more for a large one,
+/// few of whose triangles are crossed.
 fn inner_room(triangles: u32) -> u32 {
-    4096 + triangles
+    4096 + triangles / 4
 }
 
 /// Everything that is kept from frame to frame.
