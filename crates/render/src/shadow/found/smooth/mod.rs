@@ -57,10 +57,10 @@ pub(crate) const SMOOTH_RESULT_BYTES: u64 = 32 + 16 * SmoothShape::ALL.len() as 
 const CROSSING_POINTS: u64 = 3;
 /// Of a crossed triangle, with one side: fin, its end, and two of the fold; and its three pieces, if all are on the wrong side.
 const FACES_OF_TRIANGLE: u64 = 4 + 3;
-/// Of a crossed triangle: the border between its lit pieces that are on the right side or its dark ones that are not, and the others. With a curve of n
-/// sides, it has 3 n + 1 edges from one piece to another, or to the curve, and 4 to its neighbours. Where all that are between neighbours among lit pieces, or
-/// dark ones, are sides, or all of the curve's, some of the others are not: with n = 1, going through the 8 cases, no more than 6 are, and no more than 3 n + 3
-/// with any n.
+/// Of a crossed triangle whose curve has n = 1 sides, 3 n + 3. There is a side where one of two neighbouring pieces goes over and the other does not, and on the curve where
+/// both do or neither does: n on the curve, 2 (n - 1) within the fans of lit pieces and of dark ones, 4 at their ends, and 2 more of the last piece. One of these 3 n + 4 is
+/// always missing. If the last piece does not go over, its own two; if it does and its neighbour in the fan does too, the one between them; and if that does not, the
+/// curve's last, or the end of the other fan.
 const SIDES_OF_TRIANGLE: u64 = 6;
 /// Of a crease: where both sides are crossed, two for each one's way from the upper end to the silhouette and back, a piece for each that may be on the wrong side, and
 /// one for the only run that has none of its ends at the lower end.
