@@ -97,7 +97,9 @@ pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
 /// The passes that find smooth silhouettes.
 pub(crate) fn find_smooth(device: &wgpu::Device) -> wgpu::ShaderModule {
     let [curve, find] = [include_str!("shaders/curve.wgsl"), include_str!("shaders/find_smooth.wgsl")];
-    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find])
+    let facing = include_str!("shaders/find_smooth_facing.wgsl");
+    let creases = include_str!("shaders/find_smooth_creases.wgsl");
+    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find, facing, creases])
 }
 
 /// Volumes of smooth silhouettes that were found on the GPU.

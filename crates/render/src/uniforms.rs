@@ -273,7 +273,9 @@ pub(crate) mod tests {
             include_str!("shaders/smooth_job.wgsl"),
             include_str!("shaders/near.wgsl"),
             include_str!("shaders/curve.wgsl"),
-            include_str!("shaders/find_smooth.wgsl")
+            include_str!("shaders/find_smooth.wgsl"),
+            include_str!("shaders/find_smooth_facing.wgsl"),
+            include_str!("shaders/find_smooth_creases.wgsl")
         );
         assert_same_layout!(
             SmoothJobUniform,
@@ -314,7 +316,7 @@ pub(crate) mod tests {
                 sides,
                 faces,
                 caps,
-                unused,
+                inner_places,
             ]
         );
         assert_eq!(size_of::<SmoothJobSlot>(), 256, "the largest offset that a device may ask for");

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
-    Bounds, Camera, Caster, Deformer, Influence, Light, LightPosition, Material, Mesh, Object, Pose, Precision, Scene,
-    SmoothBody, SmoothVolume, Smoothness, Surface, corner_normals, shapes,
+    Bounds, Camera, Caster, Deformer, Influence, Light, LightPosition, Material, Mesh, Object, Pose, Precision,
+    RayCaster, Scene, ShadowVolume, SmoothBody, SmoothVolume, Smoothness, Surface, corner_normals, shapes,
 };
 use umbrae_render::{
     AdapterChoice, Fate, FoundSmoothSilhouette, Gpu, GpuPoser, GpuScene, Method, Renderer, ShadowCasters,
@@ -153,27 +153,81 @@ fn gaps(found: &FoundSmoothSilhouette) -> usize {
     sums.values().filter(|times| **times != 0).count()
 }
 
+/// What was found, as a volume with points of its own.
+fn volume_of(found: &FoundSmoothSilhouette) -> (Vec<Vec3>, ShadowVolume) {
+    let mut positions: Vec<Vec3> = Vec::new();
+    let mut name = |p: Vec3| {
+        positions.push(p);
+        positions.len() as u32 - 1
+    };
+    let light_cap: Vec<[u32; 3]> = found.caps.iter().chain(&found.faces).map(|face| face.map(&mut name)).collect();
+    let sides = found.sides.iter().map(|side| side.map(&mut name)).collect();
+    let most_triangles = light_cap.len();
+    (positions, ShadowVolume { sides, light_cap, most_triangles })
+}
+
+/// Checks that `found` has the points that the CPU has of `body`, where `caster` is, within epsilon, and casts its shadow: counts behind it are 0 in the same places.
+/// The CPU leaves pieces on the wrong side of the silhouette where they are if nothing is lit behind them; where it has left none, the silhouette is the same within
+/// epsilon, and how far it is off is returned.
+fn compared(
+    found: &FoundSmoothSilhouette,
+    (body, caster): (&SmoothBody, &Caster),
+    smoothness: &Smoothness,
+    random: &mut impl FnMut() -> f32,
+) -> Option<f64> {
+    let light = lights()[found.light].position;
+    let volume = SmoothVolume::new(body, light, smoothness);
+    let (ours, theirs) = (volume_of(found), volume.flattened(body, caster));
+    let center = caster.bounds.center();
+    let way = light.offset_from(center).normalize_or_zero();
+    let mut dark = 0;
+    for _ in 0..100 {
+        let beside = DVec3::new(random().into(), random().into(), random().into()) * caster.bounds.radius();
+        let behind = center + beside - way * (way.dot(beside) + 7.0);
+        let count = |(positions, volume): &(Vec<Vec3>, ShadowVolume)| {
+            volume.count_to_infinity(positions, light, behind, DVec3::new(0.3, 0.2, 0.1))
+        };
+        let (Some(ours), Some(theirs)) = (count(&ours), count(&theirs)) else { continue };
+        let where_it_is = format!("body {} under light {}, at {behind}", found.caster, found.light);
+        assert!((ours > 0) == (theirs > 0) && ours >= theirs, "{ours} for {theirs}: {where_it_is}");
+        dark += usize::from(ours > 0);
+    }
+    assert!(dark > 0, "body {} casts a shadow under light {}", found.caster, found.light);
+    let found_points = found.faces.as_flattened().iter().chain(found.sides.as_flattened());
+    let found_points: Vec<Vec3> = found_points.copied().collect();
+    let nearest = |p: &Vec3| found_points.iter().map(|q| q.distance(*p)).fold(f32::INFINITY, f32::min);
+    let used = volume.faces.as_flattened().iter().chain(volume.sides.as_flattened());
+    let off = used.map(|&p| nearest(&volume.points[p as usize])).fold(0.0, f32::max);
+    assert!(f64::from(off) < EPSILON_M, "body {} under light {}: a point is {off} m off", found.caster, found.light);
+    let sides = sides_of(&volume);
+    assert!(!found.is_coarse && !found.sides.is_empty());
+    if found.sides.len() != sides.len() || found.faces.len() != volume.faces.len() {
+        return None;
+    }
+    let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));
+    assert!(off < EPSILON_M, "body {} under light {}, {smoothness:?}: {off} m off", found.caster, found.light);
+    Some(off)
+}
+
 #[test]
 fn silhouettes_are_those_of_the_cpu_within_epsilon() {
     let _turn = turn();
     let gpu = gpu();
     let casters = casters();
     let bodies: Vec<SmoothBody> = casters.iter().map(body_of).collect();
+    let mut random = random();
     for (smooth, found) in find_standing(&gpu, &casters, &bodies, &[Smooth::Accurate, curved(EPSILON_M)]) {
-        let smoothness = match smooth {
-            Smooth::Accurate => Smoothness::Accurate,
-            _ => Smoothness::Smooth(Precision::in_world(EPSILON_M)),
+        let (smoothness, least) = match smooth {
+            Smooth::Accurate => (Smoothness::Accurate, found.len()),
+            _ => (Smoothness::Smooth(Precision::in_world(EPSILON_M)), 18),
         };
-        let mut worst = 0.0_f64;
-        for found in found {
-            let light = &lights()[found.light];
-            let sides = sides_of(&SmoothVolume::new(&bodies[found.caster], light.position, &smoothness));
-            let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));
-            assert!(off < EPSILON_M, "body {} under {}, {smooth:?}: {off} m off", found.caster, light.name);
-            assert!(!found.is_coarse && !found.sides.is_empty());
-            worst = worst.max(off);
-        }
-        println!("{smooth:?}: at most {worst:.1e} m off");
+        let compared = |found| {
+            let of = &found as &FoundSmoothSilhouette;
+            compared(of, (&bodies[of.caster], &casters[of.caster]), &smoothness, &mut random)
+        };
+        let off: Vec<f64> = found.into_iter().filter_map(compared).collect();
+        assert!(off.len() >= least, "{smooth:?}: {} are the same, and {least} were to be", off.len());
+        println!("{smooth:?}: {} the same, at most {:.1e} m off", off.len(), off.iter().copied().fold(0.0, f64::max));
     }
 }
 
@@ -194,15 +248,20 @@ fn volumes_are_closed_bit_for_bit() {
     }
 }
 
+/// Numbers from -1 to 1, the same on every run.
+fn random() -> impl FnMut() -> f32 {
+    let mut seed = 1_u64;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 40) as f32 / (1_u32 << 23) as f32 - 1.0
+    }
+}
+
 #[test]
 fn random_normals_leave_volumes_closed() {
     let _turn = turn();
     let gpu = gpu();
-    let mut seed = 1_u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 40) as f32 / (1_u32 << 23) as f32 - 1.0
-    };
+    let mut random = random();
     let casters = casters();
     let mut body = |caster: &Caster| {
         let normals: Vec<[Vec3; 3]> = (0..caster.mesh.triangles().len())
@@ -235,18 +294,42 @@ fn on_ground() -> (Scene, Vec<Caster>, Vec<Option<SmoothBody>>) {
 
 const SIZE_PX: [u32; 2] = [240, 180];
 
-/// How many pixels differ, and of those how many are not next to an edge of `theirs`.
-fn differing(ours: &[u8], theirs: &[u8]) -> [usize; 2] {
+/// Of each pixel, whether it is on a body and its normal there is nearly at a right angle to the light. A piece of a triangle that is on the wrong side of a silhouette shades
+/// what is just behind it; of those behind which nothing is lit, only the GPU takes notice.
+fn edge_on(casters: &[Caster], camera: &Camera, light: &Light) -> Vec<bool> {
+    const NEARLY: f64 = 0.15;
+    let rays = RayCaster::new(casters.iter().map(|caster| (caster.positions.as_slice(), caster.mesh.triangles())));
+    let normals: Vec<Vec<[Vec3; 3]>> = casters.iter().map(|caster| corner_normals(caster, &[], CREASE_RAD)).collect();
+    let is_edge_on = |i: u32| {
+        let [x, y] = [i % SIZE_PX[0], i / SIZE_PX[0]].map(|px| f64::from(px) + 0.5);
+        let direction = camera.ray_direction(x, y);
+        let Some(hit) = rays.first_hit(camera.eye(), direction, 0.0, f64::INFINITY) else { return false };
+        let part = hit.part as usize;
+        let place = camera.eye() + direction * hit.t;
+        let [a, b, c] = rays.corners(&hit);
+        let doubled = (b - a).cross(c - a);
+        let share = |p: DVec3, q: DVec3| (p - place).cross(q - place).dot(doubled);
+        let shares = [share(b, c), share(c, a), share(a, b)];
+        let corners = normals[part][hit.triangle as usize];
+        let normal: DVec3 = corners.iter().zip(shares).map(|(normal, share)| normal.as_dvec3() * share).sum();
+        let cosine = normal.normalize_or_zero().dot(light.position.offset_from(place).normalize_or_zero());
+        casters[part].role.casts && cosine.abs() < NEARLY
+    };
+    (0..SIZE_PX[0] * SIZE_PX[1]).map(is_edge_on).collect()
+}
+
+/// How many pixels differ, and of those how many are not next to an edge of `theirs`. Where it is `edge_on`, nothing is that was lit and is not.
+fn differing(ours: &[u8], theirs: &[u8], edge_on: &[bool]) -> [usize; 2] {
     let [width, height] = SIZE_PX.map(i64::from);
     let at = |x: i64, y: i64| theirs[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize];
     let (mut all, mut inner) = (0, 0);
     for y in 0..height {
         for x in 0..width {
-            let own = at(x, y);
-            if ours[(y * width + x) as usize] != own {
+            let (i, own) = ((y * width + x) as usize, at(x, y));
+            if ours[i] != own {
                 all += 1;
                 let is_at_edge = (-1..=1).any(|j| (-1..=1).any(|i| at(x + i, y + j) != own));
-                inner += usize::from(!is_at_edge);
+                inner += usize::from(!(is_at_edge || edge_on[i] && ours[i] == 0));
             }
         }
     }
@@ -312,7 +395,7 @@ fn masks_are_those_of_the_cpu_but_at_their_edges() {
                         |silhouettes| ShadowOptions { silhouettes, smooth, method, ..ShadowOptions::default() };
                     let of = |source| mask(&renderer, &drawn, &casters, camera, light, options(source));
                     let (ours, theirs) = (of(SilhouetteSource::Gpu), of(SilhouetteSource::Auto));
-                    let [all, inner] = differing(&ours, &theirs);
+                    let [all, inner] = differing(&ours, &theirs, &edge_on(&casters, camera, light));
                     let edges = ours.len() / 50;
                     assert!(
                         inner == 0 && all < edges,
@@ -324,6 +407,70 @@ fn masks_are_those_of_the_cpu_but_at_their_edges() {
         }
     }
     assert!(shaded > 30_000, "{shaded} pixels are in shadow");
+}
+
+/// A body whose vertices are moved in and out, and one whose normals are tilted: many of their triangles show the light what their normals do not.
+fn rough_bodies() -> Vec<(Surface, f32)> {
+    let mut rough = shapes::icosphere(Vec3::ZERO, 1.0, 3);
+    let mut random = random();
+    rough.positions.iter_mut().for_each(|p| *p *= 1.0 + 0.05 * random());
+    vec![(rough, 0.0), (shapes::icosphere(Vec3::ZERO, 1.0, 2), 2.0)]
+}
+
+/// Its normals tilted by so much, each as its vertex has it.
+fn tilted(caster: &Caster, by: f32) -> SmoothBody {
+    let mut random = random();
+    let tilts: Vec<Vec3> = caster.positions.iter().map(|_| by * Vec3::new(random(), random(), random())).collect();
+    let mut normals = corner_normals(caster, &[], CREASE_RAD);
+    for (corners, normals) in caster.mesh.triangles().iter().zip(&mut normals) {
+        for (&v, normal) in corners.iter().zip(normals) {
+            *normal = (*normal + tilts[v as usize]).normalize_or_zero();
+        }
+    }
+    SmoothBody::new(caster, &normals).unwrap()
+}
+
+#[test]
+fn rough_bodies_cast_the_shadow_that_the_cpu_has_and_no_light_falls_through_them() {
+    let _turn = turn();
+    let renderer = Renderer::new(gpu(), 1);
+    let mut dark = 0;
+    for (b, (surface, tilt)) in rough_bodies().into_iter().enumerate() {
+        let mut ground = object(shapes::sheet(Vec3::new(-8.0, -9.0, -2.5), Vec3::X * 20.0, Vec3::Y * 20.0, [1, 1]));
+        ground.role.casts = false;
+        let scene = scene_of(vec![object(surface), ground]);
+        let casters = Caster::of_scene(&scene);
+        let mut drawn = GpuScene::new(renderer.gpu(), &casters, &scene.materials, &[]).unwrap();
+        drawn.give_bodies(vec![Some(tilted(&casters[0], tilt))]);
+        // From beside the body, so that its shadow is not behind it.
+        let eye = DVec3::new(2.0, -7.0, 1.5);
+        let camera = Camera::new(eye, DVec3::new(0.5, 0.0, -2.5), 0.9, 0.05, SIZE_PX).unwrap();
+        for (l, light) in lights_on_ground().iter().enumerate() {
+            let options = |silhouettes| ShadowOptions { silhouettes, smooth: curved(0.005), ..Default::default() };
+            let of = |source| mask(&renderer, &drawn, &casters, &camera, light, options(source));
+            let (ours, theirs) = (of(SilhouetteSource::Gpu), of(SilhouetteSource::Auto));
+            let rays = RayCaster::new([(casters[0].positions.as_slice(), casters[0].mesh.triangles())]);
+            let mut off = 0;
+            for (i, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
+                let [x, y] = [i as u32 % SIZE_PX[0], i as u32 / SIZE_PX[0]].map(|px| f64::from(px) + 0.5);
+                let direction = camera.ray_direction(x, y);
+                if direction.z >= 0.0 || rays.is_hit(eye, direction, 0.0, f64::INFINITY) {
+                    continue;
+                }
+                let place = eye + direction * ((-2.5 - eye.z) / direction.z);
+                let way = light.position.offset_from(place).normalize_or_zero();
+                // How far the ray to the light passes by the middle of the body.
+                let past_m = (place - way * way.dot(place)).length();
+                if past_m < 0.75 {
+                    assert_eq!([*ours, *theirs], [0; 2], "body {b}, light {l}, {place}");
+                    dark += 1;
+                }
+                off += usize::from(ours != theirs);
+            }
+            assert!(off < 2, "body {b}, light {l}: {off} pixels of the ground differ");
+        }
+    }
+    assert!(dark > 3000, "{dark} pixels are in the midst of a shadow");
 }
 
 /// A tube along z whose upper half is turned by `turn_rad`; its middle turns by half of that.
@@ -366,7 +513,7 @@ fn a_body_that_moves_on_the_gpu_casts_the_smooth_shadow_of_where_it_is() {
     }
     let mut poser = GpuPoser::new(gpu, &scene.objects, &casters, &shown).unwrap();
     let mut reader = GpuPoser::new(gpu, &scene.objects, &casters, &read_back).unwrap();
-    let mut before = Vec::new();
+    let (mut before, mut differ) = (Vec::new(), [0; 2]);
     for turn_rad in [0.5, -0.7, 0.0] {
         let objects = vec![bent_tube(turn_rad, &rest).0, scene.objects[1].clone()];
         poser.show(gpu, &mut shown, &objects, &mut casters, 0.0);
@@ -377,15 +524,21 @@ fn a_body_that_moves_on_the_gpu_casts_the_smooth_shadow_of_where_it_is() {
             let camera = &cameras()[0];
             let ours = mask(&renderer, &shown, &casters, camera, &light, options(SilhouetteSource::Gpu));
             let theirs = mask(&renderer, &read_back, &casters_of_cpu, camera, &light, options(SilhouetteSource::Auto));
-            let [all, inner] = differing(&ours, &theirs);
+            let edge_on = edge_on(&casters_of_cpu, camera, &light);
+            let [all, inner] = differing(&ours, &theirs, &edge_on);
             assert!(inner == 0 && all < ours.len() / 100, "{all} differ, {inner} in the midst, turned by {turn_rad}");
             let discrete = ShadowOptions { smooth: Smooth::Off, ..options(SilhouetteSource::Auto) };
             let faceted = mask(&renderer, &read_back, &casters_of_cpu, camera, &light, discrete);
-            assert!(differing(&ours, &faceted)[0] > all, "it is smooth");
+            differ[0] += all;
+            differ[1] += differing(&ours, &faceted, &edge_on)[0];
             assert_ne!(before, ours);
             before = ours;
         }
     }
+    assert!(
+        differ[1] > 10 * differ[0],
+        "it is smooth: {differ:?} differ from the smooth one of the CPU, and from its triangles'"
+    );
 }
 
 #[test]
@@ -399,6 +552,7 @@ fn points_of_a_body_that_moves_are_those_of_the_cpu_where_it_is() {
     let mut drawn = GpuScene::new(&gpu, &casters, &scene.materials, &[]).unwrap();
     let mut body = body_of(&casters[0]);
     drawn.give_bodies(vec![Some(body.clone())]);
+    let mut random = random();
     let mut poser = GpuPoser::new(&gpu, &scene.objects, &casters, &drawn).unwrap();
     for turn_rad in [0.6, -0.8] {
         let objects = vec![bent_tube(turn_rad, &rest).0];
@@ -411,10 +565,7 @@ fn points_of_a_body_that_moves_are_those_of_the_cpu_where_it_is() {
         for found in find(&gpu, &casters, &uploaded, &[curved(EPSILON_M)]).remove(0).1 {
             assert_eq!(gaps(&found), 0, "under light {}", found.light);
             let smoothness = Smoothness::Smooth(Precision::in_world(EPSILON_M));
-            let volume = SmoothVolume::new(&body, lights()[found.light].position, &smoothness);
-            let sides = sides_of(&volume);
-            let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));
-            assert!(off < EPSILON_M, "{off} m off, turned by {turn_rad}, under light {}", found.light);
+            compared(&found, (&body, &casters[0]), &smoothness, &mut random);
             let bounds: Bounds = body.loose_bounds();
             let corners = found.sides.as_flattened().iter().map(|p| p.as_dvec3());
             assert_eq!(bounds.union(Bounds::of_points(corners)), bounds);

@@ -27,7 +27,7 @@ use super::maker::Maker;
 use super::winding::Windings;
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
-const SADDLE: f64 = 4.0;
+pub(super) const SADDLE: f64 = 4.0;
 /// Fewer pieces than this are not worth another thread.
 const AT_ONCE: usize = 256;
 

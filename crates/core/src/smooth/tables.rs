@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::body::{Bend, SmoothBody, sides_of};
+use super::facing::SADDLE;
 use super::maker::{INSET, MOST_INSET};
 
 /// In [`SmoothTables::bends`]: the edge is straight.
@@ -19,6 +20,11 @@ pub struct SmoothTables {
     pub vertices: Vec<u32>,
     /// Of each wedge, where the body was made: unit length or 0, scene space.
     pub normals: Vec<Vec3>,
+    /// Of each wedge where its vertex is taken for to be by pieces of the surface that must face the light if they are lit, or must not if they are dark:
+    /// [`SmoothTables::SADDLE`] times the most that an edge there bends inward below the vertex, along the normal; scene space, where the body was made.
+    pub inner: Vec<Vec3>,
+    /// Of each wedge whether its vertex is the end of a crease, so that it stays where it is.
+    pub is_end_of_crease: Vec<bool>,
     /// Of each triangle its wedges.
     pub triangles: Vec<[u32; 3]>,
     /// Of each triangle its edges: that from the first wedge to the second, and so on.
@@ -47,6 +53,8 @@ impl SmoothTables {
     pub const INSET: f64 = INSET;
     /// And at most by so many radii of the body's box.
     pub const MOST_INSET: f64 = MOST_INSET;
+    /// By so many times the most that an edge bends inward there, vertices are moved inward.
+    pub const SADDLE: f64 = SADDLE;
 }
 
 impl SmoothBody {
@@ -85,9 +93,14 @@ impl SmoothBody {
             }
             of_edge
         };
+        let mut is_end_of_crease = vec![false; self.inner.len()];
+        self.creases.iter().flat_map(|crease| crease.vertices).for_each(|v| is_end_of_crease[v as usize] = true);
+        let vertices = || self.vertex_of_wedge.iter().map(|&v| v as usize);
         Some(SmoothTables {
             vertices: self.vertex_of_wedge.clone(),
             normals: self.normals.clone(),
+            inner: vertices().map(|v| self.inner[v]).collect(),
+            is_end_of_crease: vertices().map(|v| is_end_of_crease[v]).collect(),
             triangles,
             triangle_edges,
             edges: (0..topology.edges().len()).map(|e| self.ends(e)).collect(),

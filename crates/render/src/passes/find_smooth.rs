@@ -45,7 +45,7 @@ pub(crate) struct SmoothJobUniform {
     pub(crate) sides: u32,
     pub(crate) faces: u32,
     pub(crate) caps: u32,
-    pub(crate) unused: u32,
+    pub(crate) inner_places: u32,
 }
 
 /// Bits of [`SmoothJobUniform::flags`].
@@ -77,13 +77,20 @@ pub(crate) fn smooth_job_offset(number: u32) -> u32 {
 const GROUP_SIZE: u32 = 64;
 
 /// The steps of finding, in order.
-const STEPS: [&str; 6] =
-    ["find_normals", "find_heights", "find_crossings", "find_faces", "find_creases", "find_smooth_arguments"];
+const STEPS: [&str; 7] = [
+    "find_normals",
+    "find_inner_places",
+    "find_heights",
+    "find_crossings",
+    "find_faces",
+    "find_creases",
+    "find_smooth_arguments",
+];
 
 /// Finds the smooth silhouettes of all lights of a frame.
 ///
 /// - reads: positions, tables of bodies, lights, jobs
-/// - writes: normals of what has moved, heights, points, lists of sides, faces and caps, arguments of draws
+/// - writes: normals and inner places of what has moved, heights, points, lists of sides, faces and caps, arguments of draws
 /// - needs: compute shaders, with eight storage buffers; results that are 0
 #[derive(Debug)]
 pub(crate) struct FindSmoothPass {
@@ -99,7 +106,7 @@ pub(crate) type FindSmoothBuffers<'a> = [&'a wgpu::Buffer; 10];
 /// How much one job goes through.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SmoothAmounts {
-    /// 0 where normals are as they were uploaded, or somebody else's job computes them.
+    /// 0 where normals and inner places are as they were uploaded, or somebody else's job computes them.
     pub(crate) moved_wedges: u32,
     pub(crate) wedges: u32,
     pub(crate) edges: u32,
@@ -155,7 +162,7 @@ impl FindSmoothPass {
             pass.set_pipeline(pipeline);
             for (number, job) in (0..).zip(jobs) {
                 let SmoothAmounts { moved_wedges, wedges, edges, triangles, creases } = *job;
-                let threads = [moved_wedges, wedges, edges, triangles, creases, 1][step];
+                let threads = [moved_wedges, moved_wedges, wedges, edges, triangles, creases, 1][step];
                 if threads > 0 {
                     let [across, down] = groups(self.most_groups, threads.div_ceil(GROUP_SIZE));
                     pass.set_bind_group(0, group, &[smooth_job_offset(number)]);

@@ -1,6 +1,6 @@
-// Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` (of bodies that have moved), `find_heights`,
-// `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture of them.
-// Needs smooth_job.wgsl, near.wgsl and curve.wgsl.
+// Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` and `find_inner_places` (of bodies that have moved),
+// `find_heights`, `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture
+// of them. Needs smooth_job.wgsl, near.wgsl, curve.wgsl, find_smooth_facing.wgsl and find_smooth_creases.wgsl.
 //
 // Whether a wedge is turned to the light is decided once, by the sign of a height that is stored, and a crossing is made once for each edge between
 // wedges; triangles only name them. So neighbours walk the same points, bit for bit, and the volume is closed whatever the rounding.
@@ -25,11 +25,12 @@ struct SmoothResult {
 @group(0) @binding(2) var<storage, read> tables: array<u32>;
 @group(0) @binding(3) var<storage, read> positions: array<vec4f>;
 @group(0) @binding(4) var<storage, read> lights: array<FoundLight>;
-// Of wedges.
+// Of the wedges of a body; then their inner places, with 1 where that is the vertex's own whatever its edges do.
 @group(0) @binding(5) var<storage, read_write> normals: array<vec4f>;
 // Of the light above the tangent planes of wedges.
 @group(0) @binding(6) var<storage, read_write> heights: array<f32>;
-// Of each crossing the point of the silhouette, with where on its edge it is; the foot of the fin; and the normal. Then points between crossings.
+// Of each crossing the point of the silhouette, with where on its edge it is; the foot of the fin; and the normal. Then points between crossings, and
+// inner places.
 @group(0) @binding(7) var<storage, read_write> points: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> results: array<SmoothResult>;
@@ -108,6 +109,7 @@ fn find_heights(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     let w = thread(id, groups);
     if w < job.wedge_count {
         heights[job.heights + w] = dot(normal_of_wedge(w), to_light(place_of_wedge(w)));
+        points[job.inner_places + w] = normals[inner_place(w)];
     }
 }
 
@@ -291,6 +293,10 @@ fn put_side(i: u32, from_point: u32, to_point: u32) {
     lists[at + 1u] = to_point;
 }
 
+fn add_side(from_point: u32, to_point: u32) {
+    put_side(atomicAdd(&results[job.number].sides, 1u), from_point, to_point);
+}
+
 fn note_near(a: vec3f, b: vec3f, c: vec3f) {
     if (job.flags & UNDECIDED) != 0u && !is_apart(triangle_of(a, b, c), job.light, job.slack) {
         atomicStore(&results[job.number].is_near, 1u);
@@ -303,6 +309,10 @@ fn put_face(i: u32, a: u32, b: u32, c: u32) {
     lists[at + 1u] = b;
     lists[at + 2u] = c;
     note_near(place_of(a), place_of(b), place_of(c));
+}
+
+fn add_face(a: u32, b: u32, c: u32) {
+    put_face(atomicAdd(&results[job.number].faces, 1u), a, b, c);
 }
 
 // What is between the crossings of a triangle.
@@ -373,30 +383,24 @@ fn crossed_place(it: Crossed, i: u32) -> vec3f {
 fn add_crossed(t: u32, k: u32, it: Crossed) {
     let second = wedge_of_corner(3u * t + (k + 1u) % 3u);
     let third = wedge_of_corner(3u * t + (k + 2u) % 3u);
-    let has_two_turned = is_turned(third);
     let foot = it.leave + 1u;
-    let side = atomicAdd(&results[job.number].sides, it.cut.pieces);
-    let face = atomicAdd(&results[job.number].faces, it.cut.pieces + select(3u, 2u, has_two_turned));
+    let last = it.cut.pieces + select(3u, 2u, is_turned(third));
+    let face = atomicAdd(&results[job.number].faces, last);
     var before = it.leave;
-    for (var i = 1u; i <= it.cut.pieces; i++) {
+    for (var i = 1u; i <= last; i++) {
         var here = it.entry;
         if i < it.cut.pieces {
             here = it.cut.first + i - 1u;
             points[here] = vec4f(crossed_place(it, i), 0.0);
+        } else if i == last {
+            here = VERTEX | tables[job.vertices + second];
+        } else if i == it.cut.pieces + 1u {
+            here = it.entry + 1u;
+        } else if i == it.cut.pieces + 2u {
+            here = VERTEX | tables[job.vertices + third];
         }
-        put_side(side + i - 1u, before, here);
         put_face(face + i - 1u, foot, before, here);
         before = here;
-    }
-    let dark = VERTEX | tables[job.vertices + second];
-    let rest = face + it.cut.pieces;
-    put_face(rest, foot, it.entry, it.entry + 1u);
-    if has_two_turned {
-        put_face(rest + 1u, foot, it.entry + 1u, dark);
-    } else {
-        let beyond = VERTEX | tables[job.vertices + third];
-        put_face(rest + 1u, foot, it.entry + 1u, beyond);
-        put_face(rest + 2u, foot, beyond, dark);
     }
 }
 
@@ -434,143 +438,22 @@ fn find_faces(
         first_cap = atomicAdd(&results[job.number].caps, atomicLoad(&cap_count));
     }
     workgroupBarrier();
-    if !is_in_cap {
+    if t >= job.triangle_count {
         return;
     }
-    if (job.flags & NEEDS_CAPS) != 0u {
-        lists[job.caps + first_cap + place] = t;
+    let corners = vec3u(wedge_of_corner(3u * t), wedge_of_corner(3u * t + 1u), wedge_of_corner(3u * t + 2u));
+    if is_in_cap {
+        if (job.flags & NEEDS_CAPS) != 0u {
+            lists[job.caps + first_cap + place] = t;
+        }
+        note_near(place_of_wedge(corners.x), place_of_wedge(corners.y), place_of_wedge(corners.z));
     }
-    note_near(
-        place_of_wedge(wedge_of_corner(3u * t)),
-        place_of_wedge(wedge_of_corner(3u * t + 1u)),
-        place_of_wedge(wedge_of_corner(3u * t + 2u)),
-    );
     if k < 3u {
-        add_crossed(t, k, crossed(t, k));
-    }
-}
-
-// What one side of a crease adds to the cone from the lower end: the way from the crease to the silhouette and back, walked forwards where the triangle walks
-// the crease from its lower end.
-fn add_way(apex: u32, from_point: u32, to_point: u32, is_forward: bool) {
-    let face = atomicAdd(&results[job.number].faces, 1u);
-    if is_forward {
-        put_face(face, apex, to_point, from_point);
-    } else {
-        put_face(face, apex, from_point, to_point);
-    }
-}
-
-// The part of the silhouette that runs along a crease, between two names and places; walked so by the lit side where it `is_forward`.
-fn add_run(apex: u32, edges: vec2u, names: vec2u, u: vec2f, is_forward: bool) {
-    if names.x == names.y {
-        return;
-    }
-    let curve = curve_of_edge(edges.x);
-    var cut = Cut(0u, 1u);
-    var sunk = vec3f(0.0);
-    if (job.flags & CURVED) != 0u {
-        cut = cut_for(curve_pieces(curve, u.y - u.x, chord_m(curve.start)));
-        sunk = sunk_of(edges.x, edges.y, curve);
-    }
-    let side = atomicAdd(&results[job.number].sides, cut.pieces);
-    var before = names.x;
-    for (var i = 1u; i <= cut.pieces; i++) {
-        var here = names.y;
-        if i < cut.pieces {
-            here = cut.first + i - 1u;
-            let v = u.x + (u.y - u.x) * f32(i) / f32(cut.pieces);
-            points[here] = vec4f(curve_at(curve, v) + sunk * (4.0 * v * (1.0 - v)), 0.0);
-        }
-        if is_forward {
-            put_side(side + i - 1u, before, here);
-        } else {
-            put_side(side + i - 1u, here, before);
-        }
-        if before != apex && here != apex {
-            add_way(apex, before, here, !is_forward);
-        }
-        before = here;
-    }
-}
-
-// By how much the middle of a crease is moved into the body, where its curve goes into it.
-fn sunk_of(e: u32, other: u32, curve: Curve) -> vec3f {
-    let a = ends_of_edge(e);
-    let b = ends_of_edge(other);
-    let outward = unit_or_zero(normal_of_wedge(a.x) + normal_of_wedge(a.y) + normal_of_wedge(b.x) + normal_of_wedge(b.y));
-    let size = length(curve.chord);
-    let bulge_m = dot(curve_at(curve, 0.5) - curve.start - 0.5 * curve.chord, outward);
-    if bulge_m < -LEAST_DENT * size {
-        return -outward * min(INSET * size, job.most_inset_m);
-    }
-    return vec3f(0.0);
-}
-
-// What is lit of one side of a crease: from where to where on it, and by what names.
-struct Lit {
-    u: vec2f,
-    names: vec2u,
-}
-
-fn lit_of(e: u32, turned: u32, low: u32, high: u32) -> Lit {
-    var lit = Lit(vec2f(0.0, 1.0), vec2u(low, high));
-    if turned == 1u {
-        lit.u.y = points[crossing(e)].w;
-        lit.names.y = crossing(e);
-    } else if turned == 2u {
-        lit.u.x = points[crossing(e)].w;
-        lit.names.x = crossing(e);
-    }
-    return lit;
-}
-
-// Which ends of edge `e` are turned to the light: 1 for the lower, 2 for the higher.
-fn turned_ends(e: u32) -> u32 {
-    let ends = ends_of_edge(e);
-    return select(0u, 1u, is_turned(ends.x)) + select(0u, 2u, is_turned(ends.y));
-}
-
-// What is lit on one side of a crease and not on the other. `edges` are that whose triangle walks from the vertex `low` to `high`, and the other side's.
-fn add_crease(low: u32, high: u32, edges: vec2u) {
-    let turned = vec2u(turned_ends(edges.x), turned_ends(edges.y));
-    if turned.x == turned.y && (turned.x == 0u || turned.x == 3u) {
-        return;
-    }
-    for (var s = 0u; s < 2u; s++) {
-        let c = crossing(edges[s]);
-        if turned[s] == 1u {
-            add_way(low, high, c + 1u, s == 0u);
-            add_way(low, c + 1u, c, s == 0u);
-        } else if turned[s] == 2u {
-            add_way(low, c, c + 1u, s == 0u);
-        }
-    }
-    // The first side's lit part less the second's: from where the first begins to where the second does, and from where the second ends to where the
-    // first does. That is backwards where the second is the longer one, and closes in any case.
-    let a = lit_of(edges.x, turned.x, low, high);
-    let b = lit_of(edges.y, turned.y, low, high);
-    if turned.y == 0u {
-        add_run(low, edges, a.names, a.u, true);
-    } else if turned.x == 0u {
-        add_run(low, edges, b.names, b.u, false);
-    } else if max(a.u.x, b.u.x) > min(a.u.y, b.u.y) {
-        // Apart.
-        add_run(low, edges, a.names, a.u, true);
-        add_run(low, edges, b.names, b.u, false);
-    } else {
-        add_run(low, edges, vec2u(a.names.x, b.names.x), vec2f(a.u.x, b.u.x), true);
-        add_run(low, edges, vec2u(b.names.y, a.names.y), vec2f(b.u.y, a.u.y), true);
-    }
-}
-
-@compute @workgroup_size(64)
-fn find_creases(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = thread(id, groups);
-    if number < job.crease_count {
-        let crease = job.creases + 4u * number;
-        let edges = vec2u(tables[crease + 2u], tables[crease + 3u]);
-        add_crease(VERTEX | tables[crease], VERTEX | tables[crease + 1u], edges);
+        let it = crossed(t, k);
+        add_crossed(t, k, it);
+        add_pieces(corners, k, turned, it.leave, it.entry, it.cut);
+    } else if (job.flags & CURVED) != 0u {
+        add_pieces(corners, k, turned, 0u, 0u, Cut(0u, 0u));
     }
 }
 

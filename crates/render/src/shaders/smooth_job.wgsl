@@ -46,7 +46,8 @@ struct SmoothJob {
     sides: u32,
     faces: u32,
     caps: u32,
-    unused: u32,
+    // Among `points`, of each wedge where its vertex is moved inward to.
+    inner_places: u32,
 }
 
 // Silhouettes are moved onto curves, and cut.

@@ -3,17 +3,20 @@
 //! ```text
 //! plan       jobs, from boxes        CPU
 //! record     find_normals            each wedge of what has moved
+//!            find_inner_places       the same: where pieces of its surface begin
 //!            find_heights            each wedge: how far the light is above its tangent plane
 //!            find_crossings          each edge between wedges: a point of the silhouette
-//!            find_faces              each triangle: light cap, fold, fin and side
-//!            find_creases            each crease: the side along it, and the cone that closes it
+//!            find_faces              each triangle: light cap, fold, fin and side, and what is on the wrong side of it
+//!            find_creases            each crease: the side along it, the cone that closes it, and the same
 //!            find_smooth_arguments   z-pass or z-fail, and how much is drawn
 //! ```
 //!
-//! The same volume as [`umbrae_core::SmoothVolume`], within rounding, but for short silhouettes that wind backward: the CPU takes them out where the light cap
-//! is whole without them, and here they stay. Everything is taken from one table of heights and one of crossings, so that it is closed.
-//! There is room for a silhouette through every triangle and along every crease, uncut, and for [`inner_room`] points besides that cut its pieces;
-//! what would need more is left uncut: coarser there, and as closed.
+//! The same shadow as that of [`umbrae_core::SmoothVolume`], within rounding. The CPU leaves pieces that are on the wrong side of the silhouette where they are
+//! if what is far behind them is dark anyway, as it has fewer sides to draw then. Here all of them go over, which counts more than 0 in the same places, but for what
+//! is just behind such a piece: the body's own surface, where it is nearly edge on to the light and a little more of it is dark.
+//! Everything is taken from one table of heights and one of crossings, so that it is closed.
+//! There is room for a silhouette through every triangle and along every crease, uncut, with all of its pieces on the wrong side, and for [`inner_room`]
+//! points besides that cut them; what would need more is left uncut: coarser there, and as closed.
 //!
 //! A smooth volume counts less than 0 in places, which must not take from others' counts, and how often it overlaps itself is not known here. So each is added up
 //! alone in the float target ([`super::ShadowSums`]), and what is not 0 there is dark before the next begins.
@@ -52,15 +55,27 @@ pub(crate) const SMOOTH_RESULT_BYTES: u64 = 32 + 16 * SmoothShape::ALL.len() as 
 
 /// Points of each crossing.
 const CROSSING_POINTS: u64 = 3;
-/// Of a crossed triangle, with one side: fin, its end, and two of the fold.
-const FACES_OF_TRIANGLE: u64 = 4;
-/// Of a crease: two for each side's way to the silhouette and back, and one for each of two runs.
-const FACES_OF_CREASE: u64 = 6;
-const SIDES_OF_CREASE: u64 = 2;
+/// Of a crossed triangle, with one side: fin, its end, and two of the fold; and its three pieces, if all are on the wrong side.
+const FACES_OF_TRIANGLE: u64 = 4 + 3;
+/// Of a crossed triangle whose curve has n = 1 sides, 3 n + 3. There is a side where one of two neighbouring pieces goes over and the other does not, and on the curve where
+/// both do or neither does: n on the curve, 2 (n - 1) within the fans of lit pieces and of dark ones, 4 at their ends, and 2 more of the last piece. One of these 3 n + 4 is
+/// always missing. If the last piece does not go over, its own two; if it does and its neighbour in the fan does too, the one between them; and if that does not, the
+/// curve's last, or the end of the other fan.
+const SIDES_OF_TRIANGLE: u64 = 6;
+/// Of a crease: where both sides are crossed, two for each one's way from the upper end to the silhouette and back, a piece for each that may be on the wrong side, and
+/// one for the only run that has none of its ends at the lower end.
+const FACES_OF_CREASE: u64 = 2 * 2 + 2 + 1;
+/// Of a crease: three for each of these pieces, five for that run if it is on the wrong side of what is lit and of what is dark, and one for a run that starts at the
+/// lower end.
+const SIDES_OF_CREASE: u64 = 2 * 3 + 5 + 1;
+/// Of each point that cuts a curve in two. In a triangle: a fin, a lit piece and a dark one, and 3 sides. Of a crease: all of a run's.
+const FACES_OF_CUT: u64 = 3;
+const SIDES_OF_CUT: u64 = 5;
 
-/// So many points may cut the silhouette of a body of so many triangles: thousands for a small one, which has few and long pieces.
+/// So many points may cut the silhouette of a body of so many triangles: thousands for a small one, which has few and long pieces, and not many more for a large one,
+/// few of whose triangles are crossed.
 fn inner_room(triangles: u32) -> u32 {
-    4096 + triangles
+    4096 + triangles / 4
 }
 
 /// Everything that is kept from frame to frame.
@@ -365,6 +380,8 @@ fn uniform(
     ];
     let inner_room = inner_room(body.triangle_count);
     let (triangles, creases, inner) = (body.triangle_count.into(), u64::from(body.crease_count), inner_room.into());
+    let sides = SIDES_OF_TRIANGLE * triangles + SIDES_OF_CREASE * creases + SIDES_OF_CUT * inner;
+    let faces = FACES_OF_TRIANGLE * triangles + FACES_OF_CREASE * creases + FACES_OF_CUT * inner;
     // What does not fit into 32 bits is refused with the lists.
     let take = |from: &mut u64, count: u64| {
         let first = *from;
@@ -409,9 +426,9 @@ fn uniform(
         heights: take(&mut lengths.heights, body.wedge_count.into()),
         crossings: take(&mut lengths.points, CROSSING_POINTS * u64::from(body.edge_count)),
         inner: take(&mut lengths.points, inner),
-        sides: take(&mut lengths.list, 2 * (triangles + SIDES_OF_CREASE * creases + inner)),
-        faces: take(&mut lengths.list, 3 * (FACES_OF_TRIANGLE * triangles + FACES_OF_CREASE * creases + inner)),
+        sides: take(&mut lengths.list, 2 * sides),
+        faces: take(&mut lengths.list, 3 * faces),
         caps: take(&mut lengths.list, if job.needs_caps() { triangles } else { 0 }),
-        unused: 0,
+        inner_places: take(&mut lengths.points, body.wedge_count.into()),
     }
 }
