@@ -196,12 +196,13 @@ fn compared(
     let found_points = found.faces.as_flattened().iter().chain(found.sides.as_flattened());
     let found_points: Vec<Vec3> = found_points.copied().collect();
     let nearest = |p: &Vec3| found_points.iter().map(|q| q.distance(*p)).fold(f32::INFINITY, f32::min);
-    let used = volume.faces.as_flattened().iter().chain(volume.sides.as_flattened());
+    let closing: Vec<[u32; 3]> = volume.closing().collect();
+    let used = closing.as_flattened().iter().chain(volume.sides.as_flattened());
     let off = used.map(|&p| nearest(&volume.points[p as usize])).fold(0.0, f32::max);
     assert!(f64::from(off) < EPSILON_M, "body {} under light {}: a point is {off} m off", found.caster, found.light);
     let sides = sides_of(&volume);
     assert!(!found.is_coarse && !found.sides.is_empty());
-    if found.sides.len() != sides.len() || found.faces.len() != volume.faces.len() {
+    if found.sides.len() != sides.len() || found.faces.len() != volume.closing().len() {
         return None;
     }
     let off = farthest(&found.sides, &sides).max(farthest(&sides, &found.sides));

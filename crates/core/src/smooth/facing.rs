@@ -22,14 +22,17 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use crate::LightPosition;
+
 use super::body::SmoothBody;
 use super::maker::Maker;
 use super::winding::Windings;
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
 pub(super) const SADDLE: f64 = 4.0;
-/// Fewer pieces than this are not worth another thread.
+/// Fewer pieces or triangles than this are not worth another thread.
 const AT_ONCE: usize = 256;
+const TRIANGLES_AT_ONCE: usize = 4096;
 
 /// A corner of a piece: a point of the volume, or a vertex of the caster, moved inward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +70,16 @@ pub(super) struct FacingScratch {
     /// What the silhouette gains: parts of it meet, and meet what it was before, and cancel.
     gained: FxHashMap<[u32; 2], i32>,
     windings: Windings,
+}
+
+/// `piece`, walked so that it faces `light`, if it shows it its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
+fn facing(piece: [Corner; 3], places: [DVec3; 3], part: Part, light: LightPosition) -> Option<[Corner; 3]> {
+    let ([a, b, c], [at_a, at_b, at_c]) = (piece, places);
+    let towards = (at_b - at_a).cross(at_c - at_a).dot(light.offset_from(at_a));
+    match part {
+        Part::Lit => (towards < 0.0).then_some([a, c, b]),
+        Part::Dark => (towards > 0.0).then_some(piece),
+    }
 }
 
 impl SmoothBody {
@@ -111,27 +124,25 @@ impl Maker<'_> {
 
     /// All the triangles that the silhouette does not cut.
     pub(super) fn check_whole_triangles(&mut self) {
-        let body = self.body;
-        for corners in body.wedges.mesh.triangles() {
-            let part = match corners.iter().filter(|&&w| self.is_turned(w)).count() {
+        let (body, turned) = (self.body, self.volume.turned.as_slice());
+        let wrong = |corners: &[u32; 3]| {
+            let part = match corners.iter().map(|&w| turned[w as usize]).sum::<i8>() {
                 0 => Part::Dark,
                 3 => Part::Lit,
-                _ => continue,
+                _ => return None,
             };
-            self.check(corners.map(|w| Vertex(body.vertex_of_wedge[w as usize])), part);
-        }
+            let piece = corners.map(|w| Vertex(body.vertex_of_wedge[w as usize]));
+            facing(piece, piece.map(|corner| corner.place(&[], &body.inner)), part, self.light)
+        };
+        let triangles = body.wedges.mesh.triangles().par_iter().with_min_len(TRIANGLES_AT_ONCE);
+        let wrong: Vec<[Corner; 3]> = triangles.filter_map(wrong).collect();
+        self.scratch.facing.wrong.extend(wrong);
     }
 
-    /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
+    /// Notes `piece` if it is on the wrong side.
     pub(super) fn check(&mut self, piece: [Corner; 3], part: Part) {
-        let [a, b, c] = piece;
-        let [at_a, at_b, at_c] = piece.map(|corner| corner.place(&self.volume.points, &self.body.inner));
-        let towards = (at_b - at_a).cross(at_c - at_a).dot(self.light.offset_from(at_a));
-        match part {
-            Part::Lit if towards < 0.0 => self.scratch.facing.wrong.push([a, c, b]),
-            Part::Dark if towards > 0.0 => self.scratch.facing.wrong.push(piece),
-            _ => {}
-        }
+        let places = piece.map(|corner| corner.place(&self.volume.points, &self.body.inner));
+        self.scratch.facing.wrong.extend(facing(piece, places, part, self.light));
     }
 
     /// Takes the lit pieces that were noted out of the light cap and the dark ones into it, but for those that are shaded anyway, and leads the silhouette

@@ -64,6 +64,7 @@ impl SmoothVolume {
         self.points.clear();
         self.sides.clear();
         self.faces.clear();
+        self.folds.clear();
         self.vertices.clear();
         body.find(light, &mut self.turned, &mut scratch.found);
         scratch.crossing_of_edge.resize(body.wedges.topology.edges().len(), NONE);
@@ -150,9 +151,9 @@ impl Maker<'_> {
         }
         self.volume.faces.push([foot, b.p, b.q]);
         if has_two_turned {
-            self.volume.faces.push([foot, b.q, dark[1]]);
+            self.volume.folds.push([foot, b.q, dark[1]]);
         } else {
-            self.volume.faces.extend([[foot, b.q, dark[0]], [foot, dark[0], dark[1]]]);
+            self.volume.folds.extend([[foot, b.q, dark[0]], [foot, dark[0], dark[1]]]);
         }
     }
 

@@ -48,8 +48,10 @@ pub struct SmoothVolume {
     pub points: Vec<Vec3>,
     /// The silhouette, each piece as the lit side walks it. As many arrive at a point as leave it.
     pub sides: Vec<[u32; 2]>,
-    /// Folds and fins.
+    /// Fins, and what goes over to the other side of the silhouette.
     pub faces: Vec<[u32; 3]>,
+    /// What is within the body, where nothing is seen: z-pass needs none of it.
+    pub folds: Vec<[u32; 3]>,
     /// Vertices of the caster that are among the points, and which they are.
     pub vertices: Vec<(u32, u32)>,
     /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
@@ -76,6 +78,12 @@ impl SmoothVolume {
         body.wedges.mesh.triangles()[t].iter().any(|&w| self.turned[w as usize] > 0)
     }
 
+    /// Faces and folds.
+    pub fn closing(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + Clone {
+        (0..self.faces.len() + self.folds.len())
+            .map(|i| if i < self.faces.len() { self.faces[i] } else { self.folds[i - self.faces.len()] })
+    }
+
     /// The light cap. Linear in the number of triangles.
     pub fn chain(&self, body: &SmoothBody) -> Chain {
         let triangles = 0..body.wedges.mesh.triangles().len();
@@ -93,7 +101,7 @@ impl SmoothVolume {
         let name = |p: u32| renamed[p as usize];
         let triangles = caster.mesh.triangles().iter().enumerate();
         let cap = triangles.filter(|&(t, _)| self.is_in_cap(body, t)).map(|(_, &corners)| corners);
-        let light_cap: Vec<[u32; 3]> = cap.chain(self.faces.iter().map(|face| face.map(name))).collect();
+        let light_cap: Vec<[u32; 3]> = cap.chain(self.closing().map(|face| face.map(name))).collect();
         let sides = self.sides.iter().map(|side| side.map(name)).collect();
         let positions = [caster.positions.as_slice(), &self.points].concat();
         (positions, ShadowVolume { sides, most_triangles: light_cap.len(), light_cap })
@@ -130,7 +138,7 @@ impl SmoothVolume {
             normal.dot(to_light) <= EDGE_ON * normal.length() * to_light.length()
         };
         let cap = (0..caster.mesh.triangles().len()).filter(|&t| self.is_in_cap(body, t)).map(|t| caster.corners(t));
-        let faces = self.faces.iter().map(|face| face.map(|p| self.points[p as usize]));
+        let faces = self.closing().map(|face| face.map(|p| self.points[p as usize]));
         cap.chain(faces).filter(is_away).map(|corners| corners.map(Vec3::as_dvec3)).collect()
     }
 

@@ -115,14 +115,15 @@ impl SmoothPlanner<'_> {
         let faces = report.faces_mut();
         faces.silhouette_edges = volume.sides.len();
         faces.side_triangles = triangles.len();
-        faces.closing_triangles = volume.faces.len();
         faces.chain_triangles = chain.as_ref().map(|chain| self.cap(chain).count());
-        triangles.extend(volume.faces.iter().map(|face| face.map(|i| block.near(i))));
+        let closing = volume.closing().take(if is_pass { volume.faces.len() } else { usize::MAX });
+        faces.closing_triangles = closing.len();
+        triangles.extend(closing.map(|face| face.map(|i| block.near(i))));
         let before = triangles.len();
         if is_fan {
             add_fan(&mut triangles, block, &volume.sides);
         } else if is_capped {
-            add_at_infinity(&mut triangles, block, &volume.points, volume.faces.iter().copied(), light);
+            add_at_infinity(&mut triangles, block, &volume.points, volume.closing(), light);
         }
         faces.dark_cap_triangles = triangles.len() - before;
 

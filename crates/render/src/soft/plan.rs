@@ -220,7 +220,7 @@ impl Outline {
         let near = |triangles: &[[u32; 3]]| -> Vec<VolumeVertex> {
             triangles.as_flattened().iter().map(|&i| positions[i as usize].extend(0.0).to_array()).collect()
         };
-        let (cap, faces) = flat.light_cap.split_at(flat.light_cap.len() - volume.faces.len());
+        let (cap, faces) = flat.light_cap.split_at(flat.light_cap.len() - volume.closing().len());
         let mut caps: Vec<VolumeVertex> = dark_cap.as_flattened().iter().map(|&i| block.vertex(i, around)).collect();
         caps.extend(near(cap));
         Self { segments, caps, compared_caps: near(faces), case: Case::Fail, why: Why::Method }
