@@ -3,22 +3,19 @@
 //! [`super::volume`] has the picture.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::LightPosition;
 
 use super::body::{Crease, Side, SmoothBody};
+use super::crossing::{INSET, MOST_INSET, Solved, Solver};
 use super::curve::Curve;
 use super::facing::{Corner, FacingScratch, Part};
 use super::straight::{StraightScratch, straighten};
 use super::volume::{SmoothVolume, Smoothness};
 
-/// How far the fold is moved into the body, in lengths of the edge that it meets.
-pub(super) const INSET: f64 = 0.02;
-/// And at most, in radii of the body.
-pub(super) const MOST_INSET: f64 = 2e-3;
-
-/// So often a crossing is improved.
-const STEPS: u32 = 3;
+/// Fewer crossings than this are not worth another thread.
+const AT_ONCE: usize = 256;
 
 /// What is needed while a volume is made; kept, so that none is asked for in each frame.
 #[derive(Debug, Default, Clone)]
@@ -72,6 +69,7 @@ impl SmoothVolume {
         scratch.crossings.clear();
         let found = std::mem::take(&mut scratch.found);
         let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
+        maker.add_crossings(&found);
         maker.add_triangles(&found);
         if maker.is_facing_checked() {
             maker.check_whole_triangles();
@@ -204,30 +202,33 @@ impl Maker<'_> {
         if known != NONE {
             return self.scratch.crossings[known as usize];
         }
-        let ends = self.body.ends(e);
-        let [low, high] = ends.map(|w| self.body.height(w, self.light));
-        // Which end is turned to the light has been decided in f32, so that u may be beyond an end by rounding.
-        let u = low / (low - high);
-        let u = if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.5 };
-        let [start, end] = ends.map(|w| self.body.place(w));
-        let normals = ends.map(|w| self.body.normal(w));
-        let foot = start.lerp(end, u);
-        let inset_m = (INSET * start.distance(end)).min(MOST_INSET * self.radius_m);
-        let straight = normals[0].lerp(normals[1], u).normalize_or_zero();
-        let (u, smooth, normal) = match self.smoothness {
-            Smoothness::Accurate => (u, foot, straight),
-            Smoothness::Smooth(_) => {
-                let curve = self.body.curve_of_edge(e);
-                let u = refined(&curve, normals, self.light, [low, high], u);
-                (u, curve.at(u), curve.normal(u, normals))
-            }
-        };
-        let foot = start.lerp(end, u);
-        let (p, q) = (self.point(smooth), self.point(foot - straight * inset_m));
-        let crossing = Crossing { edge: e as u32, u, smooth, normal, p, q };
-        self.scratch.crossing_of_edge[e] = self.scratch.crossings.len() as u32;
+        let solved = self.solver().solve(e);
+        self.add_crossing(solved)
+    }
+
+    fn solver(&self) -> Solver<'_> {
+        let Self { body, light, smoothness, radius_m, .. } = *self;
+        Solver { body, light, smoothness, radius_m }
+    }
+
+    fn add_crossing(&mut self, Solved { edge, u, smooth, normal, foot }: Solved) -> Crossing {
+        let (p, q) = (self.point(smooth), self.point(foot));
+        let crossing = Crossing { edge, u, smooth, normal, p, q };
+        self.scratch.crossing_of_edge[edge as usize] = self.scratch.crossings.len() as u32;
         self.scratch.crossings.push(crossing);
         crossing
+    }
+
+    /// The crossings of all edges that were `found`: most of what a volume takes, and each is found for itself.
+    fn add_crossings(&mut self, found: &[[u32; 2]]) {
+        let solver = self.solver();
+        let edge = |&[turned, other]: &[u32; 2]| solver.body.wedges.topology.edge_between(turned, other);
+        let solved = found.par_iter().with_min_len(AT_ONCE).filter_map(edge).map(|e| solver.solve(e));
+        for solved in solved.collect::<Vec<Solved>>() {
+            if self.scratch.crossing_of_edge[solved.edge as usize] == NONE {
+                self.add_crossing(solved);
+            }
+        }
     }
 
     fn point(&mut self, place: DVec3) -> u32 {
@@ -383,31 +384,4 @@ fn cone(apex: u32, walks: &[Walk]) -> Vec<[u32; 3]> {
         faces.extend(std::iter::repeat_n(face, times.unsigned_abs() as usize));
     }
     faces
-}
-
-/// Where the surface along `curve` turns away from `light`, from heights of opposite signs at its ends and a first guess.
-///
-/// The paper stops at the guess, which takes normals and places between vertices for linear. Between them the surface is curved, and where it
-/// is curved little along the light, a silhouette that is off by little on the surface is off by much in the shadow. Regula falsi, in the
-/// Illinois form, gains a digit or two in each step.
-fn refined(curve: &Curve, normals: [DVec3; 2], light: LightPosition, [low, high]: [f64; 2], guess: f64) -> f64 {
-    let height = |u: f64| curve.normal(u, normals).dot(light.offset_from(curve.at(u)));
-    let (mut a, mut b) = ((0.0, low), (1.0, high));
-    let mut u = guess;
-    for _ in 0..STEPS {
-        let h = height(u);
-        if (h > 0.0) == (a.1 > 0.0) {
-            a = (u, h);
-            b.1 *= 0.5;
-        } else {
-            b = (u, h);
-            a.1 *= 0.5;
-        }
-        let next = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
-        if !next.is_finite() {
-            break;
-        }
-        u = next.clamp(0.0, 1.0);
-    }
-    u
 }

@@ -6,6 +6,7 @@
 //!   posed        the same body where its caster has moved to
 //!   tables       the body as numbers, for other processors
 //!   curve        the cubic between two points with known normals
+//!   crossing     where the silhouette crosses an edge
 //!   parts        objects cut into what is smooth and what is not
 //!   precision    how finely it must be cut: in the world, and on the picture
 //!   tessellate   the curved surface itself, as a finer mesh
@@ -19,6 +20,7 @@
 //! Source: O. Mattausch, D. Scherzer, M. Wimmer and T. Igarashi, "Tessellation-independent smooth shadow boundaries", 2012.
 
 mod body;
+mod crossing;
 mod curve;
 mod facing;
 mod maker;

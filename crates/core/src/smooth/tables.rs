@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::body::{Bend, SmoothBody, sides_of};
+use super::crossing::{INSET, MOST_INSET};
 use super::facing::SADDLE;
-use super::maker::{INSET, MOST_INSET};
 
 /// In [`SmoothTables::bends`]: the edge is straight.
 pub const NO_BEND: u32 = u32::MAX;

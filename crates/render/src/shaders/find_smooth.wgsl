@@ -36,7 +36,7 @@ struct SmoothResult {
 @group(0) @binding(9) var<storage, read_write> results: array<SmoothResult>;
 
 const GROUP_SIZE: u32 = 64u;
-// `core/src/smooth/maker.rs` has these too, and says what they are.
+// `core/src/smooth/crossing.rs` has these too, and says what they are.
 const INSET: f32 = 0.02;
 const STEPS: u32 = 3u;
 // `core/src/smooth/body.rs`: with a smaller sine between them, two normals have no common tangent.
