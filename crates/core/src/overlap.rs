@@ -157,8 +157,8 @@ impl Poles {
 }
 
 /// A plane before the light and the grid on it.
-#[derive(Debug)]
-struct Chart {
+#[derive(Debug, Clone)]
+pub(crate) struct Chart {
     light: LightPosition,
     /// To the right and up on the plane as the light sees it, and towards it.
     axes: [DVec3; 3],
@@ -172,11 +172,11 @@ struct Chart {
 }
 
 /// An edge's end as a homogeneous point of the plane: right, up, and the divisor, which is not negative on the chart.
-type Flat = DVec3;
+pub(crate) type Flat = DVec3;
 
 impl Chart {
     /// Over what is seen of `bounds`, which are ahead of the light.
-    fn around(light: LightPosition, axes: [DVec3; 3], bounds: &Bounds) -> Self {
+    pub(crate) fn around(light: LightPosition, axes: [DVec3; 3], bounds: &Bounds) -> Self {
         let (min, max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let mut chart = Self { light, axes, min, max, per_unit: [0.0; 2], is_quarter: false };
         for corner in bounds.corners() {
@@ -195,7 +195,7 @@ impl Chart {
         Self { light, axes, min: [-0.5, -1.0], max: [0.5, 1.0], per_unit: [1.0, 0.5], is_quarter: true }
     }
 
-    fn flat(&self, point: DVec3) -> Flat {
+    pub(crate) fn flat(&self, point: DVec3) -> Flat {
         let [right, up, ahead] = self.axes;
         if self.light.is_directional() {
             return DVec3::new(right.dot(point), up.dot(point), 1.0);

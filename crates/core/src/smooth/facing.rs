@@ -24,14 +24,14 @@ use rustc_hash::FxHashMap;
 
 use crate::LightPosition;
 
+use super::AT_ONCE;
 use super::body::SmoothBody;
-use super::maker::Maker;
+use super::maker::{Maker, Walk, undirected};
 use super::winding::Windings;
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
 pub(super) const SADDLE: f64 = 4.0;
-/// Fewer pieces or triangles than this are not worth another thread.
-const AT_ONCE: usize = 256;
+/// Fewer triangles than this are not worth another thread.
 const TRIANGLES_AT_ONCE: usize = 4096;
 
 /// A corner of a piece: a point of the volume, or a vertex of the caster, moved inward.
@@ -161,8 +161,8 @@ impl Maker<'_> {
         for piece in &needed {
             let [a, b, c] = piece.map(|corner| self.point_of(corner));
             self.volume.faces.push([a, b, c]);
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                let (edge, times) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
+            for side in [[a, b], [b, c], [c, a]] {
+                let (edge, times) = undirected((side, 1));
                 *self.scratch.facing.gained.entry(edge).or_default() += times;
             }
         }
@@ -175,8 +175,8 @@ impl Maker<'_> {
 
     fn add_gained(&mut self) {
         let gained = &mut self.scratch.facing.gained;
-        self.volume.sides.retain(|&[from, to]| {
-            let (edge, times) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
+        self.volume.sides.retain(|&side| {
+            let (edge, times) = undirected((side, 1));
             match gained.get_mut(&edge) {
                 Some(left) if *left * times < 0 => {
                     *left += times;
@@ -186,7 +186,7 @@ impl Maker<'_> {
             }
         });
         // In an order that is the same on every run.
-        let mut left: Vec<([u32; 2], i32)> = gained.drain().filter(|&(_, times)| times != 0).collect();
+        let mut left: Vec<Walk> = gained.drain().filter(|&(_, times)| times != 0).collect();
         left.sort_unstable();
         for ([low, high], times) in left {
             let side = if times > 0 { [low, high] } else { [high, low] };

@@ -5,17 +5,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::LightPosition;
+use crate::{Edge, LightPosition};
 
+use super::AT_ONCE;
 use super::body::{Crease, Side, SmoothBody};
 use super::crossing::{INSET, MOST_INSET, Solved, Solver};
 use super::curve::Curve;
 use super::facing::{Corner, FacingScratch, Part};
 use super::straight::{StraightScratch, straighten};
 use super::volume::{SmoothVolume, Smoothness};
-
-/// Fewer crossings than this are not worth another thread.
-const AT_ONCE: usize = 256;
 
 /// What is needed while a volume is made; kept, so that none is asked for in each frame.
 #[derive(Debug, Default, Clone)]
@@ -70,7 +68,7 @@ impl SmoothVolume {
         let found = std::mem::take(&mut scratch.found);
         let mut maker = Maker { volume: self, body, light, smoothness, scratch, radius_m: body.wedges.bounds.radius() };
         maker.add_crossings(&found);
-        maker.add_triangles(&found);
+        maker.add_triangles();
         if maker.is_facing_checked() {
             maker.check_whole_triangles();
         }
@@ -101,7 +99,7 @@ pub(super) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    pub(super) fn is_turned(&self, w: u32) -> bool {
+    fn is_turned(&self, w: u32) -> bool {
         self.volume.turned[w as usize] > 0
     }
 
@@ -110,11 +108,14 @@ impl Maker<'_> {
         matches!(self.smoothness, Smoothness::Smooth(_))
     }
 
-    fn add_triangles(&mut self, found: &[[u32; 2]]) {
-        for &[turned, other] in found {
-            let topology = &self.body.wedges.topology;
-            let Some(e) = topology.edge_between(turned, other) else { continue };
-            let is_upward = turned < other;
+    /// The triangles at the edges that are crossed.
+    fn add_triangles(&mut self) {
+        let topology = &self.body.wedges.topology;
+        for i in 0..self.scratch.crossings.len() {
+            let e = self.scratch.crossings[i].edge as usize;
+            let Edge { low, high } = topology.edges()[e];
+            let is_upward = self.is_turned(low);
+            let turned = if is_upward { low } else { high };
             for (t, direction) in topology.triangles_on_edge(e) {
                 // Each triangle that the silhouette crosses is left by it once, over an edge that goes from light to dark.
                 if (direction > 0) == is_upward {
@@ -225,9 +226,7 @@ impl Maker<'_> {
         let edge = |&[turned, other]: &[u32; 2]| solver.body.wedges.topology.edge_between(turned, other);
         let solved = found.par_iter().with_min_len(AT_ONCE).filter_map(edge).map(|e| solver.solve(e));
         for solved in solved.collect::<Vec<Solved>>() {
-            if self.scratch.crossing_of_edge[solved.edge as usize] == NONE {
-                self.add_crossing(solved);
-            }
+            self.add_crossing(solved);
         }
     }
 
@@ -368,13 +367,15 @@ impl Maker<'_> {
     }
 }
 
+/// The same walk from the lower point to the higher.
+pub(super) fn undirected(([a, b], times): Walk) -> Walk {
+    if a < b { ([a, b], times) } else { ([b, a], -times) }
+}
+
 /// Faces from `apex` whose boundary takes away the cycle of `walks`.
 fn cone(apex: u32, walks: &[Walk]) -> Vec<[u32; 3]> {
-    let mut edges: Vec<Walk> = walks
-        .iter()
-        .map(|&([a, b], times)| if a < b { ([a, b], times) } else { ([b, a], -times) })
-        .filter(|([a, b], _)| a != b && *a != apex && *b != apex)
-        .collect();
+    let mut edges: Vec<Walk> =
+        walks.iter().map(|&walk| undirected(walk)).filter(|([a, b], _)| a != b && *a != apex && *b != apex).collect();
     edges.sort_unstable();
     let mut faces = Vec::new();
     for group in edges.chunk_by(|a, b| a.0 == b.0) {

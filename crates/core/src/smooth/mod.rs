@@ -36,6 +36,9 @@ mod tests;
 mod volume;
 mod winding;
 
+/// Fewer crossings, sides or pieces than this are not worth another thread.
+const AT_ONCE: usize = 256;
+
 pub use body::{NotSmooth, SmoothBody};
 pub use normals::{corner_normals, given_normals};
 pub use precision::{OnScreen, Precision};

@@ -80,7 +80,7 @@ fn volumes_are_closed_under_every_light() {
 }
 
 /// Numbers from -1 to 1, the same on every run.
-fn random() -> impl FnMut() -> f32 {
+pub(super) fn random() -> impl FnMut() -> f32 {
     let mut seed = 1_u64;
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -3,19 +3,19 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::{Bounds, LightPosition, ahead_of};
+use crate::{Bounds, Chart, LightPosition, ahead_of};
 
+use super::AT_ONCE;
 use super::volume::SmoothVolume;
 
 /// Rows and columns of cells, at most. Else twice as many as there would be of sides, were they in rows and columns.
 const MOST_ROWS: usize = 1024;
-/// Fewer sides than this are not worth another thread.
-const AT_ONCE: usize = 256;
 
 /// The sides of a silhouette on a plane before the light.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Windings {
-    view: Option<View>,
+    /// What the light sees, on a plane before it.
+    view: Option<Chart>,
     corner: DVec2,
     cells_per_unit: DVec2,
     /// Rows and columns of cells.
@@ -66,34 +66,15 @@ type Side = [DVec2; 2];
 /// A side, and from where to where on it.
 type Stretch = (Side, [f64; 2]);
 
-/// What the light sees, on a plane before it.
-#[derive(Debug, Clone, Copy)]
-struct View {
-    light: LightPosition,
-    right: DVec3,
-    up: DVec3,
-    ahead: DVec3,
-}
-
-impl View {
-    fn place(&self, point: DVec3) -> DVec2 {
-        if self.light.is_directional() {
-            return DVec2::new(self.right.dot(point), self.up.dot(point));
-        }
-        let from_light = -self.light.offset_from(point);
-        DVec2::new(self.right.dot(from_light), self.up.dot(from_light)) / self.ahead.dot(from_light)
-    }
-}
-
 impl Windings {
     /// Takes the sides of `volume`, all of which is in `bounds`. Where `light` is in there too, it sees no plane, and nothing is known of any place.
     pub(super) fn wind(&mut self, volume: &SmoothVolume, bounds: &Bounds, light: LightPosition) {
         self.view = ahead_of(bounds, light).map(|ahead| {
             let right = ahead.any_orthonormal_vector();
-            View { light, right, up: right.cross(ahead), ahead }
+            Chart::around(light, [right, right.cross(ahead), ahead], bounds)
         });
-        let Some(view) = self.view else { return };
-        let places: Vec<DVec2> = volume.points.iter().map(|p| view.place(p.as_dvec3())).collect();
+        let Some(view) = &self.view else { return };
+        let places: Vec<DVec2> = volume.points.iter().map(|p| place(view, p.as_dvec3())).collect();
         let sides: Vec<Side> = volume.sides.iter().map(|side| side.map(|p| places[p as usize])).collect();
         let ends = || sides.iter().flatten();
         self.corner = ends().fold(DVec2::INFINITY, |min, &place| min.min(place));
@@ -208,11 +189,11 @@ impl Windings {
 
     /// Whether the silhouette goes round each place in a triangle once or more, the way that a lit surface's border does.
     ///
-    /// It does round its middle, and no side is crossed from there to a place round which it does not. Where many sides meet, or two do to the last digit, it may be said that it does not, never the
-    /// reverse. The `corners` are walked counterclockwise, as the light sees them. Takes a fraction of a microsecond.
+    /// It does round its middle, and a way from there to a place round which it does not would go over a stretch of a side that has such a place to its right: none is in the
+    /// triangle. Where sides meet to the last digit, it may be said that it does not, never the reverse. The `corners` are walked counterclockwise, as the light sees them. Takes a fraction of a microsecond.
     pub(super) fn goes_round_all(&self, corners: [DVec3; 3]) -> bool {
-        let Some(view) = self.view else { return false };
-        let [a, b, c] = corners.map(|corner| view.place(corner));
+        let Some(view) = &self.view else { return false };
+        let [a, b, c] = corners.map(|corner| place(view, corner));
         let around = [a.min(b).min(c), a.max(b).max(c)];
         self.at((a + b + c) / 3.0, None) > 0
             && !self.near(&self.outer, around).any(|stretch| is_within(stretch, [[a, b], [b, c], [c, a]]))
@@ -230,6 +211,12 @@ impl Windings {
             self.cells.of(number).iter().map(|&(side, _)| on_the_way(side, [middle, place], beside == Some(side)));
         self.at_middles[number] + crossed.sum::<i32>()
     }
+}
+
+/// Where the light sees `point` on its plane.
+fn place(view: &Chart, point: DVec3) -> DVec2 {
+    let flat = view.flat(point);
+    flat.truncate() / flat.z
 }
 
 /// Whether a part of a stretch is to the left of each of the `borders`, not on them.
@@ -285,8 +272,8 @@ mod tests {
     }
 
     fn at(windings: &Windings, x: f64, y: f64) -> i32 {
-        let view = windings.view.expect("the sun is beyond the box");
-        windings.at(view.place(DVec3::new(x, y, 0.0)), None)
+        let view = windings.view.as_ref().expect("the sun is beyond the box");
+        windings.at(place(view, DVec3::new(x, y, 0.0)), None)
     }
 
     #[test]
@@ -301,11 +288,8 @@ mod tests {
 
     #[test]
     fn it_goes_round_all_of_a_triangle_if_it_does_round_each_place() {
-        let mut seed = 1_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
-        };
+        let mut random = crate::smooth::tests::random();
+        let mut random = || f64::from(random());
         let (mut crossed, mut round, mut same) = (0, 0, 0);
         for _ in 0..400 {
             let corners: Vec<[f64; 2]> = (0..12).map(|_| [random(), random()]).collect();
@@ -321,8 +305,8 @@ mod tests {
                     places.map(|(u, v)| a + ((b - a) * u + (c - a) * v) / 40.0).all(|p| at(&windings, p.x, p.y) > 0);
                 let is_said = windings.goes_round_all([a, b, c]);
                 assert!(is_found || !is_said, "round {a}, {b}, {c}");
-                let view = windings.view.expect("the sun is beyond the box");
-                let [p, q, r] = [a, b, c].map(|corner| view.place(corner));
+                let view = windings.view.as_ref().expect("the sun is beyond the box");
+                let [p, q, r] = [a, b, c].map(|corner| place(view, corner));
                 let around = [p.min(q).min(r), p.max(q).max(r)];
                 let borders = [[p, q], [q, r], [r, p]];
                 let is_crossed = windings.near(&windings.cells, around).any(|stretch| is_within(stretch, borders));
