@@ -26,7 +26,7 @@ mod columns;
 mod stacked;
 mod sweep;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use self::columns::Columns;
 pub(crate) use self::stacked::most_stacked;
@@ -58,16 +58,17 @@ const AT_AXIS: f64 = 1e-9;
 ///
 /// If the light is in the caster's box and `volume` is one of sides alone.
 pub fn most_overlaps(caster: &Caster, volume: &ShadowVolume, light: LightPosition) -> u32 {
-    most_overlaps_of((&caster.positions, &caster.bounds), volume, light)
+    most_overlaps_of((&caster.positions, &caster.bounds), volume, light, 0)
 }
 
-/// The same for a volume over `positions` in a box.
+/// The same for a volume over `positions` in a box; a number no better than `enough` is as good as any.
 pub(crate) fn most_overlaps_of(
     (positions, bounds): (&[Vec3], &Bounds),
     volume: &ShadowVolume,
     light: LightPosition,
+    enough: u32,
 ) -> u32 {
-    let triangles = volume.most_triangles;
+    let (triangles, enough) = (volume.most_triangles, i64::from(enough));
     let most = if triangles <= 1 {
         triangles as i64
     } else if let Some(ahead) = ahead_of(bounds, light) {
@@ -76,14 +77,15 @@ pub(crate) fn most_overlaps_of(
         let chart = Chart::around(light, [right, up, ahead], bounds);
         let upright = Chart::around(light, [up, -right, ahead], bounds);
         let swept = upright.sweep(positions, volume).most(Poles::default(), 1)[0];
-        if swept <= LOW { swept } else { swept.min(chart.most(positions, volume, Poles::default(), 0)) }
+        let most = || chart.most(positions, volume, Poles::default(), enough);
+        if swept <= LOW.max(enough) { swept } else { swept.min(most()) }
     } else {
         assert!(!volume.light_cap.is_empty(), "around a light in its box, a volume is told from its cap");
         let axis = DVec3::Z;
         let poles = Poles::new(positions, volume, light, axis);
         let around = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let charts = around.map(|ahead| Chart::quarter(light, [ahead.cross(axis), axis, ahead]));
-        charts.iter().fold(0, |most, chart| most.max(chart.most(positions, volume, poles, most)))
+        charts.iter().fold(0, |most, chart| most.max(chart.most(positions, volume, poles, enough.max(most))))
     };
     most.clamp(0, triangles as i64) as u32
 }
@@ -163,10 +165,10 @@ pub(crate) struct Chart {
     /// To the right and up on the plane as the light sees it, and towards it.
     axes: [DVec3; 3],
     /// What the grid covers, as [`Chart::mapped`] has it.
-    min: [f64; 2],
-    max: [f64; 2],
+    min: DVec2,
+    max: DVec2,
     /// Of the grid's width and height, for each unit of what it covers.
-    per_unit: [f64; 2],
+    per_unit: DVec2,
     /// Whether there are three more around the light, and this one ends where it is as far to the side as ahead.
     is_quarter: bool,
 }
@@ -177,24 +179,24 @@ pub(crate) type Flat = DVec3;
 impl Chart {
     /// Over what is seen of `bounds`, which are ahead of the light.
     pub(crate) fn around(light: LightPosition, axes: [DVec3; 3], bounds: &Bounds) -> Self {
-        let (min, max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let mut chart = Self { light, axes, min, max, per_unit: [0.0; 2], is_quarter: false };
+        let (min, max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut chart = Self { light, axes, min, max, per_unit: DVec2::ZERO, is_quarter: false };
         for corner in bounds.corners() {
             let mapped = chart.mapped(chart.flat(corner));
-            for (i, at) in mapped.into_iter().enumerate() {
-                let border = BORDER * (1.0 + at.abs());
-                chart.min[i] = chart.min[i].min(at - border);
-                chart.max[i] = chart.max[i].max(at + border);
-            }
+            let border = BORDER * (1.0 + mapped.abs());
+            chart.min = chart.min.min(mapped - border);
+            chart.max = chart.max.max(mapped + border);
         }
-        chart.per_unit = std::array::from_fn(|i| 1.0 / (chart.max[i] - chart.min[i]));
+        chart.per_unit = 1.0 / (chart.max - chart.min);
         chart
     }
 
     fn quarter(light: LightPosition, axes: [DVec3; 3]) -> Self {
-        Self { light, axes, min: [-0.5, -1.0], max: [0.5, 1.0], per_unit: [1.0, 0.5], is_quarter: true }
+        let (min, max, per_unit) = (DVec2::new(-0.5, -1.0), DVec2::new(0.5, 1.0), DVec2::new(1.0, 0.5));
+        Self { light, axes, min, max, per_unit, is_quarter: true }
     }
 
+    #[inline]
     pub(crate) fn flat(&self, point: DVec3) -> Flat {
         let [right, up, ahead] = self.axes;
         if self.light.is_directional() {
@@ -205,21 +207,23 @@ impl Chart {
     }
 
     /// Both coordinates on the plane; for a point light squeezed into -1 to 1, so that a plane that reaches far has a grid too.
-    fn mapped(&self, p: Flat) -> [f64; 2] {
-        let divisor = |along: f64| if self.light.is_directional() { p.z } else { p.z.abs() + along.abs() };
+    #[inline]
+    fn mapped(&self, p: Flat) -> DVec2 {
+        let along = p.truncate();
+        let divisor = if self.light.is_directional() { DVec2::splat(p.z) } else { p.z.abs() + along.abs() };
         // 0 / 0 is on the axis, where edges are known to be unsure.
-        [p.x, p.y].map(|along| if along == 0.0 { 0.0 } else { along / divisor(along) })
+        DVec2::select(along.cmpeq(DVec2::ZERO), DVec2::ZERO, along / divisor)
     }
 
     /// From 0 to 1 across the grid and up it.
-    fn on_grid(&self, p: Flat) -> [f64; 2] {
-        let mapped = self.mapped(p);
-        std::array::from_fn(|i| (mapped[i] - self.min[i]) * self.per_unit[i])
+    #[inline]
+    fn on_grid(&self, p: Flat) -> DVec2 {
+        (self.mapped(p) - self.min) * self.per_unit
     }
 
     /// The place on the plane that is so far across the grid, in units of the divisor.
     fn right_at(&self, part: f64) -> f64 {
-        let mapped = self.min[0] + part * (self.max[0] - self.min[0]);
+        let mapped = self.min.x + part * (self.max.x - self.min.x);
         if self.light.is_directional() { mapped } else { mapped / (1.0 - mapped.abs()) }
     }
 
@@ -295,7 +299,7 @@ impl Chart {
         for side in &volume.sides {
             let ends = side.map(|i| self.flat(positions[i as usize].as_dvec3()));
             let Some(clipped) = self.clipped(ends[0], ends[1]) else { continue };
-            let [from, to] = clipped.map(|p| self.on_grid(p)[0]);
+            let [from, to] = clipped.map(|p| self.on_grid(p).x);
             let is_rise = from < to;
             for i in 0..2 {
                 // Rises begin where the edge does, falls where it ends.
@@ -312,7 +316,7 @@ impl Chart {
         for &corner in volume.sides.iter().flatten() {
             let by = std::mem::take(&mut balance[corner as usize]);
             if by != [0, 0] {
-                sweep.step(self.on_grid(self.flat(positions[corner as usize].as_dvec3()))[0], by);
+                sweep.step(self.on_grid(self.flat(positions[corner as usize].as_dvec3())).x, by);
             }
         }
         sweep.sort();
@@ -322,8 +326,7 @@ impl Chart {
     fn add_edge(&self, columns: &mut Columns, a: Flat, b: Flat) {
         let size = columns.size as f64;
         let part_of_column = 1.0 / size;
-        let ([column_a, row_a], [column_b, row_b]) =
-            (self.on_grid(a).map(|at| at * size), self.on_grid(b).map(|at| at * size));
+        let [[column_a, row_a], [column_b, row_b]] = [a, b].map(|end| (self.on_grid(end) * size).to_array());
         let (left, right) = (column_a.min(column_b), column_a.max(column_b));
         // Whether the inner side, left of the edge, is above.
         let is_rise = column_a < column_b;
@@ -334,7 +337,7 @@ impl Chart {
             let (at_a, at_b) = (a.x - x * a.z, b.x - x * b.z);
             let part = at_a / (at_a - at_b);
             let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.5 };
-            let row = self.on_grid(a + (b - a) * part)[1] * size;
+            let row = self.on_grid(a + (b - a) * part).y * size;
             row.clamp(row_a.min(row_b), row_a.max(row_b))
         };
         let cell = |at: f64| at.clamp(0.0, size - 1.0) as usize;

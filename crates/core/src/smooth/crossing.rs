@@ -25,7 +25,8 @@ pub(super) struct Solver<'a> {
 }
 
 /// Where the silhouette crosses a wedge edge.
-pub(super) struct Solved {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
     pub(super) edge: u32,
     /// From the caster's lower vertex to the higher.
     pub(super) u: f64,
@@ -38,7 +39,7 @@ pub(super) struct Solved {
 
 impl Solver<'_> {
     /// The crossing of wedge edge `e`, one of whose ends is turned to the light.
-    pub(super) fn solve(&self, e: usize) -> Solved {
+    pub(super) fn solve(&self, e: usize) -> Crossing {
         let ends = self.body.ends(e);
         let [low, high] = ends.map(|w| self.body.height(w, self.light));
         // Which end is turned to the light has been decided in f32, so that u may be beyond an end by rounding.
@@ -46,11 +47,10 @@ impl Solver<'_> {
         let u = if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.5 };
         let [start, end] = ends.map(|w| self.body.place(w));
         let normals = ends.map(|w| self.body.normal(w));
-        let foot = start.lerp(end, u);
         let inset_m = (INSET * start.distance(end)).min(MOST_INSET * self.radius_m);
         let straight = normals[0].lerp(normals[1], u).normalize_or_zero();
         let (u, smooth, normal) = match self.smoothness {
-            Smoothness::Accurate => (u, foot, straight),
+            Smoothness::Accurate => (u, start.lerp(end, u), straight),
             Smoothness::Smooth(_) => {
                 let curve = self.body.curve_of_edge(e);
                 let u = refined(&curve, normals, self.light, [low, high], u);
@@ -58,7 +58,7 @@ impl Solver<'_> {
             }
         };
         let foot = start.lerp(end, u) - straight * inset_m;
-        Solved { edge: e as u32, u, smooth, normal, foot }
+        Crossing { edge: e as u32, u, smooth, normal, foot }
     }
 }
 

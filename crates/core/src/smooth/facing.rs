@@ -24,34 +24,15 @@ use rustc_hash::FxHashMap;
 
 use crate::LightPosition;
 
-use super::AT_ONCE;
+use super::added::{Added, Corner, Walk, place, undirected};
 use super::body::SmoothBody;
-use super::maker::{Maker, Walk, undirected};
+use super::cut::Cutter;
+use super::maker::Maker;
 use super::winding::Windings;
+use super::{AT_ONCE, TRIANGLES_AT_ONCE};
 
 /// Vertices are moved inward by so many times the most that an edge bends inward there.
 pub(super) const SADDLE: f64 = 4.0;
-/// Fewer triangles than this are not worth another thread.
-const TRIANGLES_AT_ONCE: usize = 4096;
-
-/// A corner of a piece: a point of the volume, or a vertex of the caster, moved inward.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Corner {
-    Point(u32),
-    Vertex(u32),
-}
-
-use Corner::{Point, Vertex};
-
-impl Corner {
-    fn place(self, points: &[Vec3], inner: &[Vec3]) -> DVec3 {
-        match self {
-            Point(p) => points[p as usize],
-            Vertex(v) => inner[v as usize],
-        }
-        .as_dvec3()
-    }
-}
 
 /// The part of the surface on which a piece lies by its normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,22 +45,18 @@ pub(super) enum Part {
 #[derive(Debug, Default, Clone)]
 pub(super) struct FacingScratch {
     /// Pieces that are on the wrong side, walked so that they face the light.
-    wrong: Vec<[Corner; 3]>,
+    pub(super) wrong: Vec<[Corner; 3]>,
     /// The points that stand for vertices of the caster, moved inward.
-    point_of_vertex: FxHashMap<u32, u32>,
+    pub(super) point_of_inner: FxHashMap<u32, u32>,
     /// What the silhouette gains: parts of it meet, and meet what it was before, and cancel.
     gained: FxHashMap<[u32; 2], i32>,
     windings: Windings,
 }
 
-/// `piece`, walked so that it faces `light`, if it shows it its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
-fn facing(piece: [Corner; 3], places: [DVec3; 3], part: Part, light: LightPosition) -> Option<[Corner; 3]> {
-    let ([a, b, c], [at_a, at_b, at_c]) = (piece, places);
-    let towards = (at_b - at_a).cross(at_c - at_a).dot(light.offset_from(at_a));
-    match part {
-        Part::Lit => (towards < 0.0).then_some([a, c, b]),
-        Part::Dark => (towards > 0.0).then_some(piece),
-    }
+/// More than 0 where a triangle between `corners` faces `light`, and less where it faces away.
+#[inline]
+fn towards([a, b, c]: [DVec3; 3], light: LightPosition) -> f64 {
+    (b - a).cross(c - a).dot(light.offset_from(a))
 }
 
 impl SmoothBody {
@@ -104,47 +81,66 @@ impl SmoothBody {
     }
 }
 
-impl Maker<'_> {
-    /// The pieces of a triangle that the scratch's curve cuts, from the edge between the first corner, which is lit, and the second, which is not.
-    pub(super) fn check_pieces(&mut self, corners: [u32; 3], has_two_turned: bool) {
-        let [first, second, third] = corners.map(|w| Vertex(self.body.vertex_of_wedge[w as usize]));
-        let mut to = Point(self.scratch.curve[0]);
-        for i in 1..self.scratch.curve.len() {
+impl Cutter<'_> {
+    /// The pieces of a triangle that the curve at hand cuts, from the edge between the first corner, which is lit, and the second, which is not.
+    pub(super) fn check_pieces(&self, corners: [u32; 3], has_two_turned: bool, added: &mut Added) {
+        let [first, second, third] = corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize]));
+        let mut to = added.curve[0];
+        for i in 1..added.curve.len() {
             let from = to;
-            to = Point(self.scratch.curve[i]);
-            self.check([first, from, to], Part::Lit);
-            self.check([from, second, to], Part::Dark);
+            to = added.curve[i];
+            self.check([first, from, to], Part::Lit, added);
+            self.check([from, second, to], Part::Dark, added);
         }
         if has_two_turned {
-            self.check([first, to, third], Part::Lit);
+            self.check([first, to, third], Part::Lit, added);
         } else {
-            self.check([to, second, third], Part::Dark);
+            self.check([to, second, third], Part::Dark, added);
         }
     }
 
-    /// All the triangles that the silhouette does not cut.
-    pub(super) fn check_whole_triangles(&mut self) {
-        let (body, turned) = (self.body, self.volume.turned.as_slice());
-        let wrong = |corners: &[u32; 3]| {
-            let part = match corners.iter().map(|&w| turned[w as usize]).sum::<i8>() {
-                0 => Part::Dark,
-                3 => Part::Lit,
-                _ => return None,
-            };
-            let piece = corners.map(|w| Vertex(body.vertex_of_wedge[w as usize]));
-            facing(piece, piece.map(|corner| corner.place(&[], &body.inner)), part, self.light)
+    /// What the triangles add that the silhouette does not cut.
+    pub(super) fn look_at_whole_triangles(&self) -> Vec<Added> {
+        let heights = self.body.planes.as_ref().map(|planes| planes.under(self.light));
+        let look = |(chunk, triangles): (usize, &[[u32; 3]])| {
+            let mut added = Added::default();
+            for (corners, t) in triangles.iter().zip(chunk * TRIANGLES_AT_ONCE..) {
+                let part = match corners.iter().map(|&w| self.turned[w as usize]).sum::<i8>() {
+                    0 => Part::Dark,
+                    3 => Part::Lit,
+                    _ => continue,
+                };
+                if heights.is_some_and(|heights| match part {
+                    Part::Lit => heights.surely_faces(t),
+                    Part::Dark => heights.surely_faces_away(t),
+                }) {
+                    continue;
+                }
+                if self.is_facing_checked() {
+                    self.check(corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize])), part, &mut added);
+                }
+                if part == Part::Lit && towards(corners.map(|w| self.body.place(w)), self.light) < 0.0 {
+                    added.may_be_away.push(t as u32);
+                }
+            }
+            added
         };
-        let triangles = body.wedges.mesh.triangles().par_iter().with_min_len(TRIANGLES_AT_ONCE);
-        let wrong: Vec<[Corner; 3]> = triangles.filter_map(wrong).collect();
-        self.scratch.facing.wrong.extend(wrong);
+        self.body.wedges.mesh.triangles().par_chunks(TRIANGLES_AT_ONCE).enumerate().map(look).collect()
     }
 
-    /// Notes `piece` if it is on the wrong side.
-    pub(super) fn check(&mut self, piece: [Corner; 3], part: Part) {
-        let places = piece.map(|corner| corner.place(&self.volume.points, &self.body.inner));
-        self.scratch.facing.wrong.extend(facing(piece, places, part, self.light));
+    /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
+    pub(super) fn check(&self, piece: [Corner; 3], part: Part, added: &mut Added) {
+        let towards = towards(piece.map(|corner| self.place(added, corner)), self.light);
+        let [a, b, c] = piece;
+        match part {
+            Part::Lit if towards < 0.0 => added.wrong.push([a, c, b]),
+            Part::Dark if towards > 0.0 => added.wrong.push(piece),
+            _ => {}
+        }
     }
+}
 
+impl Maker<'_> {
     /// Takes the lit pieces that were noted out of the light cap and the dark ones into it, but for those that are shaded anyway, and leads the silhouette
     /// round them.
     pub(super) fn move_over(&mut self) {
@@ -154,12 +150,12 @@ impl Maker<'_> {
         }
         let mut windings = std::mem::take(&mut self.scratch.facing.windings);
         windings.wind(self.volume, &self.body.loose_bounds(), self.light);
-        let (points, inner) = (self.volume.points.as_slice(), self.body.inner.as_slice());
+        let (body, points) = (self.body, self.volume.points.as_slice());
         let is_needed =
-            |piece: &&[Corner; 3]| !windings.goes_round_all(piece.map(|corner| corner.place(points, inner)));
+            |piece: &&[Corner; 3]| !windings.goes_round_all(piece.map(|corner| place(corner, body, points, &[])));
         let needed: Vec<[Corner; 3]> = wrong.par_iter().with_min_len(AT_ONCE).filter(is_needed).copied().collect();
         for piece in &needed {
-            let [a, b, c] = piece.map(|corner| self.point_of(corner));
+            let [a, b, c] = piece.map(|corner| self.point_of(corner, 0));
             self.volume.faces.push([a, b, c]);
             for side in [[a, b], [b, c], [c, a]] {
                 let (edge, times) = undirected((side, 1));
@@ -170,7 +166,7 @@ impl Maker<'_> {
         wrong.clear();
         let facing = &mut self.scratch.facing;
         (facing.wrong, facing.windings) = (wrong, windings);
-        facing.point_of_vertex.clear();
+        facing.point_of_inner.clear();
     }
 
     fn add_gained(&mut self) {
@@ -186,22 +182,11 @@ impl Maker<'_> {
             }
         });
         // In an order that is the same on every run.
-        let mut left: Vec<Walk> = gained.drain().filter(|&(_, times)| times != 0).collect();
+        let mut left: Vec<Walk<u32>> = gained.drain().filter(|&(_, times)| times != 0).collect();
         left.sort_unstable();
         for ([low, high], times) in left {
             let side = if times > 0 { [low, high] } else { [high, low] };
             self.volume.sides.extend(std::iter::repeat_n(side, times.unsigned_abs() as usize));
-        }
-    }
-
-    fn point_of(&mut self, corner: Corner) -> u32 {
-        match corner {
-            Point(p) => p,
-            Vertex(v) if self.body.inner[v as usize] == self.body.place_of_vertex(v) => self.vertex(v),
-            Vertex(v) => *self.scratch.facing.point_of_vertex.entry(v).or_insert_with(|| {
-                self.volume.points.push(self.body.inner[v as usize]);
-                self.volume.points.len() as u32 - 1
-            }),
         }
     }
 }

@@ -37,8 +37,8 @@ impl SmoothBody {
             *normal = sum.normalize_or_zero().as_vec3();
         }
         self.longest_edge_m = longest_edge_m(&self.wedges);
-        self.inner = self.inner_places();
-        self.finder = None;
+        self.bend();
+        (self.finder, self.planes) = (None, None);
     }
 
     /// [`SmoothBody::loose_bounds`] where `caster`, the one that the body was made of, is now, without moving the body there. The caster's box may be wider than

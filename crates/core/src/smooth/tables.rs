@@ -72,7 +72,10 @@ impl SmoothBody {
         let triangle_edges = triangles.iter().map(edges_of).collect();
         let bend = |(&bend, e): (&Bend, u32)| match bend {
             Bend::Smooth => e,
-            Bend::Crease(other) => other,
+            Bend::Crease(crease) => {
+                let [a, b] = [0, 1].map(|i| self.creases[crease as usize].sides[i].edge);
+                if a == e { b } else { a }
+            }
             Bend::Straight => NO_BEND,
         };
         let creases = self.creases.iter().map(|crease| match crease.sides[..] {

@@ -21,7 +21,7 @@ pub(super) fn body_of(caster: &Caster) -> SmoothBody {
 }
 
 /// 64 of all kinds: suns, lamps far and near.
-fn lights() -> impl Iterator<Item = LightPosition> {
+pub(super) fn lights() -> impl Iterator<Item = LightPosition> {
     (0..64).map(|i| {
         let (sin, cos) = (0.7 * f64::from(i)).sin_cos();
         let way = DVec3::new(cos, sin, 0.09 * f64::from(i % 21) - 0.9);
@@ -183,7 +183,7 @@ fn counts_are_within_the_bound_and_the_same_on_every_path() {
         let body = body_of(&caster);
         for (i, light) in lights().enumerate().step_by(5) {
             let volume = SmoothVolume::new(&body, light, &smooth(0.01));
-            let most = volume.most_overlaps(&body, &caster, light) as i32;
+            let most = volume.most_overlaps(&body, &caster, light, 0) as i32;
             let (positions, flat) = volume.flattened(&body, &caster);
             for k in 0..40 {
                 let way = f64::from(k) * 2.4;

@@ -21,10 +21,12 @@
 
 use std::cell::RefCell;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_overlaps_of, most_stacked, needs_light_cap};
 
+use super::AT_ONCE;
 use super::body::SmoothBody;
 use super::maker::SmoothScratch;
 use super::precision::Precision;
@@ -56,6 +58,8 @@ pub struct SmoothVolume {
     pub vertices: Vec<(u32, u32)>,
     /// Of each wedge, 1 where it is turned to the light, else 0; then padding.
     pub(super) turned: Vec<i8>,
+    /// Among these are all the triangles of the light cap that show the light their backs: those that the silhouette cuts, and some more.
+    pub(super) may_be_away: Vec<u32>,
 }
 
 thread_local! {
@@ -71,6 +75,15 @@ impl SmoothVolume {
         let mut volume = Self::default();
         SCRATCH.with_borrow_mut(|scratch| volume.make(body, light, smoothness, scratch));
         volume
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.points.clear();
+        self.sides.clear();
+        self.faces.clear();
+        self.folds.clear();
+        self.vertices.clear();
+        self.may_be_away.clear();
     }
 
     /// Whether triangle `t` is in the light cap: any of its corners is turned to the light.
@@ -107,22 +120,24 @@ impl SmoothVolume {
         (positions, ShadowVolume { sides, most_triangles: light_cap.len(), light_cap })
     }
 
-    /// A number that the count of the volume is nowhere above, nor below its negative, so that a narrow counter is used only where it can't wrap.
+    /// A number that the count of the volume is nowhere above, nor below its negative, so that a narrow counter is used only where it can't wrap; one no better than
+    /// `enough` is as good as any.
     ///
     /// A count is what the silhouette winds around the ray from the light, less what faces behind the point add to it and more what they take away: no
-    /// more of these than there are faces, on one ray, that are turned away from the light. Linear in the number of triangles.
-    pub fn most_overlaps(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> u32 {
+    /// more of these than there are faces, on one ray, that are turned away from the light. Linear in the number of triangles, and parallel.
+    pub fn most_overlaps(&self, body: &SmoothBody, caster: &Caster, light: LightPosition, enough: u32) -> u32 {
         let (positions, volume) = if needs_light_cap(caster, light) {
             self.flattened(body, caster)
         } else {
             let sides = self.sides.clone();
             (self.points.clone(), ShadowVolume { sides, light_cap: Vec::new(), most_triangles: usize::MAX >> 1 })
         };
-        let (around, stacked) = rayon::join(
-            || most_overlaps_of((&positions, &self.bounds(caster)), &volume, light),
-            || most_stacked(&self.turned_away(body, caster, light), light),
-        );
-        around.saturating_add(stacked)
+        let bounds = self.bounds(caster);
+        let around = |enough| most_overlaps_of((&positions, &bounds), &volume, light, enough);
+        let stacked = || most_stacked(self.turned_away(caster, light), &bounds, light, enough / 2);
+        let (first, stacked) = rayon::join(|| around(enough / 2), stacked);
+        let most = first.saturating_add(stacked);
+        if most <= enough { most } else { around(enough.saturating_sub(stacked)).saturating_add(stacked) }
     }
 
     /// The box of the caster, and of the silhouette, which may bulge out of it.
@@ -131,15 +146,19 @@ impl SmoothVolume {
     }
 
     /// The faces and the triangles of the light cap that show the light their backs.
-    fn turned_away(&self, body: &SmoothBody, caster: &Caster, light: LightPosition) -> Vec<[DVec3; 3]> {
-        let is_away = |[a, b, c]: &[Vec3; 3]| {
-            let homogeneous = light.homogeneous().as_vec4();
+    fn turned_away<'a>(
+        &'a self,
+        caster: &'a Caster,
+        light: LightPosition,
+    ) -> impl ParallelIterator<Item = [Vec3; 3]> + 'a {
+        let homogeneous = light.homogeneous().as_vec4();
+        let is_away = move |[a, b, c]: &[Vec3; 3]| {
             let (normal, to_light) = ((*b - *a).cross(*c - *a), homogeneous.truncate() - *a * homogeneous.w);
             normal.dot(to_light) <= EDGE_ON * normal.length() * to_light.length()
         };
-        let cap = (0..caster.mesh.triangles().len()).filter(|&t| self.is_in_cap(body, t)).map(|t| caster.corners(t));
-        let faces = self.closing().map(|face| face.map(|p| self.points[p as usize]));
-        cap.chain(faces).filter(is_away).map(|corners| corners.map(Vec3::as_dvec3)).collect()
+        let cap = self.may_be_away.par_iter().with_min_len(AT_ONCE).map(|&t| caster.corners(t as usize));
+        let closing = self.faces.par_iter().chain(&self.folds).with_min_len(AT_ONCE);
+        cap.chain(closing.map(|face| face.map(|p| self.points[p as usize]))).filter(is_away)
     }
 
     /// The silhouette as closed loops of points, each without its first one again.

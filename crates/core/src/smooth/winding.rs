@@ -1,11 +1,9 @@
 //! How often a silhouette goes round a place, as the light sees it: how often what is far behind that place is counted.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use crate::{Bounds, Chart, LightPosition, ahead_of};
 
-use super::AT_ONCE;
 use super::volume::SmoothVolume;
 
 /// Rows and columns of cells, at most. Else twice as many as there would be of sides, were they in rows and columns.
@@ -22,8 +20,6 @@ pub(super) struct Windings {
     width: usize,
     /// Row by row.
     cells: Buckets,
-    /// Of those to whose right the silhouette does not go round.
-    outer: Buckets,
     /// How often the silhouette goes round the middle of each.
     at_middles: Vec<i32>,
 }
@@ -33,12 +29,12 @@ pub(super) struct Windings {
 struct Buckets {
     /// Where each begins, and at last where the last one ends.
     starts: Vec<u32>,
-    stretches: Vec<Stretch>,
+    sides: Vec<Side>,
 }
 
 impl Buckets {
     /// Puts each side into all the buckets that are named with it; so many there are.
-    fn fill(&mut self, count: usize, named: impl Iterator<Item = (usize, Stretch)> + Clone) {
+    fn fill(&mut self, count: usize, named: impl Iterator<Item = (usize, Side)> + Clone) {
         self.starts.clear();
         self.starts.resize(count + 1, 0);
         named.clone().for_each(|(bucket, _)| self.starts[bucket] += 1);
@@ -47,24 +43,22 @@ impl Buckets {
             end += *start;
             *start = end;
         }
-        self.stretches.clear();
-        self.stretches.resize(end as usize, ([DVec2::ZERO; 2], [0.0; 2]));
+        self.sides.clear();
+        self.sides.resize(end as usize, [DVec2::ZERO; 2]);
         // From the end of each to its start.
-        for (bucket, stretch) in named {
+        for (bucket, side) in named {
             self.starts[bucket] -= 1;
-            self.stretches[self.starts[bucket] as usize] = stretch;
+            self.sides[self.starts[bucket] as usize] = side;
         }
     }
 
-    fn of(&self, bucket: usize) -> &[Stretch] {
-        &self.stretches[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
+    fn of(&self, bucket: usize) -> &[Side] {
+        &self.sides[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
     }
 }
 
 /// From a place to another.
 type Side = [DVec2; 2];
-/// A side, and from where to where on it.
-type Stretch = (Side, [f64; 2]);
 
 impl Windings {
     /// Takes the sides of `volume`, all of which is in `bounds`. Where `light` is in there too, it sees no plane, and nothing is known of any place.
@@ -81,67 +75,48 @@ impl Windings {
         let size = ends().fold(DVec2::NEG_INFINITY, |max, &place| max.max(place)) - self.corner;
         self.width = (2 * (sides.len() as f64).sqrt() as usize).clamp(1, MOST_ROWS);
         self.cells_per_unit = self.width as f64 / size.max(DVec2::splat(f64::MIN_POSITIVE));
-        let mut cells = std::mem::take(&mut self.cells);
-        cells.fill(self.width * self.width, sides.iter().flat_map(|side| self.named((*side, [0.0, 1.0]))));
-        self.cells = cells;
-        self.wind_middles(&sides);
-        let outer = sides.par_iter().with_min_len(AT_ONCE).fold(Vec::new, |mut outer, side| {
-            self.add_outer(*side, &mut outer);
-            outer
-        });
-        let outer = outer.flatten().collect::<Vec<Stretch>>();
-        let mut cells = std::mem::take(&mut self.outer);
-        cells.fill(self.width * self.width, outer.iter().flat_map(|stretch| self.named(*stretch)));
-        self.outer = cells;
+        let (mut cells, mut at_middles) = (std::mem::take(&mut self.cells), std::mem::take(&mut self.at_middles));
+        let named = |side: &Side| {
+            let (side, [a, b]) = (*side, *side);
+            self.cells_of(a.min(b), a.max(b)).map(move |number| (number, side))
+        };
+        rayon::join(
+            || cells.fill(self.width * self.width, sides.iter().flat_map(named)),
+            || self.wind_middles(&sides, &mut at_middles),
+        );
+        (self.cells, self.at_middles) = (cells, at_middles);
     }
 
-    /// The cells of a side's box, each with the side.
-    fn named(&self, stretch: Stretch) -> impl Iterator<Item = (usize, Stretch)> + Clone + use<> {
-        let [a, b] = stretch.0;
-        self.cells_of(a.min(b), a.max(b)).map(move |(_, number)| (number, stretch))
-    }
-
-    /// The cells of a box, each with its column and row.
-    fn cells_of(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = ([usize; 2], usize)> + Clone + use<> {
+    /// The cells of a box.
+    fn cells_of(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = usize> + Clone + use<> {
         let (first, last, width) = (self.cell(min), self.cell(max), self.width);
-        (first[1]..=last[1]).flat_map(move |y| (first[0]..=last[0]).map(move |x| ([x, y], y * width + x)))
+        (first[1]..=last[1]).flat_map(move |y| (first[0]..=last[0]).map(move |x| y * width + x))
     }
 
-    /// The sides of `of` whose boxes meet that from `min` to `max`, each once.
-    fn near<'a>(&'a self, of: &'a Buckets, [min, max]: [DVec2; 2]) -> impl Iterator<Item = Stretch> + 'a {
-        let first = self.cell(min);
-        self.cells_of(min, max).flat_map(move |(cell, number)| {
-            // In the first cell that it shares with the box.
-            let is_first = move |([a, b], _): &Stretch| {
-                let own = self.cell(a.min(*b));
-                [own[0].max(first[0]), own[1].max(first[1])] == cell
-            };
-            let is_near = move |([a, b], _): &Stretch| a.min(*b).cmple(max).all() && a.max(*b).cmpge(min).all();
-            of.of(number).iter().copied().filter(is_near).filter(is_first)
-        })
-    }
-
-    /// Adds the parts of `side` to whose right the silhouette does not go round.
-    fn add_outer(&self, side: Side, outer: &mut Vec<Stretch>) {
-        let [a, b] = side;
-        // Where others go over it, and how much oftener the silhouette goes round what is beyond.
-        let others = self.near(&self.cells, [a.min(b), a.max(b)]).filter_map(|(other, _)| meeting(side, other));
-        // Neighbours only meet its ends.
-        let mut meetings: Vec<(f64, i32)> = others.filter(|(t, _)| 0.0 < *t && *t < 1.0).collect();
-        meetings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        meetings.push((1.0, 0));
-        let mut times = self.at(a.lerp(b, 0.5 * meetings[0].0), Some(side));
-        let mut start = 0.0;
-        for (end, gained) in meetings {
-            if times <= 0 {
-                outer.push((side, [start, end]));
+    /// Whether `is_wanted` holds for any side whose box meets that from `min` to `max`; each is asked about once, until one is.
+    #[inline]
+    fn is_any_near(&self, [min, max]: [DVec2; 2], mut is_wanted: impl FnMut(Side) -> bool) -> bool {
+        let (first, last) = (self.cell(min), self.cell(max));
+        for y in first[1]..=last[1] {
+            for x in first[0]..=last[0] {
+                for &[a, b] in self.cells.of(y * self.width + x) {
+                    let (low, high) = (a.min(b), a.max(b));
+                    if low.x > max.x || low.y > max.y || high.x < min.x || high.y < min.y {
+                        continue;
+                    }
+                    // In the first cell that it shares with the box.
+                    let own = self.cell(low);
+                    if own[0].max(first[0]) == x && own[1].max(first[1]) == y && is_wanted([a, b]) {
+                        return true;
+                    }
+                }
             }
-            (start, times) = (end, times + gained);
         }
+        false
     }
 
-    fn wind_middles(&mut self, sides: &[Side]) {
-        let mut at_middles = std::mem::take(&mut self.at_middles);
+    /// How often the sides go round the middle of each cell.
+    fn wind_middles(&self, sides: &[Side], at_middles: &mut Vec<i32>) {
         at_middles.clear();
         at_middles.resize(self.width * self.width, 0);
         for &[a, b] in sides {
@@ -173,7 +148,6 @@ impl Windings {
                 *at = sum;
             }
         }
-        self.at_middles = at_middles;
     }
 
     /// The middle of a cell.
@@ -182,6 +156,7 @@ impl Windings {
     }
 
     /// Column and row.
+    #[inline]
     fn cell(&self, place: DVec2) -> [usize; 2] {
         let at = (place - self.corner) * self.cells_per_unit;
         at.max(DVec2::ZERO).to_array().map(|at| (at as usize).min(self.width - 1))
@@ -189,14 +164,49 @@ impl Windings {
 
     /// Whether the silhouette goes round each place in a triangle once or more, the way that a lit surface's border does.
     ///
-    /// It does round its middle, and a way from there to a place round which it does not would go over a stretch of a side that has such a place to its right: none is in the
-    /// triangle. Where sides meet to the last digit, it may be said that it does not, never the reverse. The `corners` are walked counterclockwise, as the light sees them. Takes a fraction of a microsecond.
+    /// It does round its middle, and a straight way from there goes over sides from their left, where it is gone round once oftener than on their right, and
+    /// from their right. So it does round each place if it does round the middle oftener than there are sides with the middle to their left, or if no part of these
+    /// has a place to its right round which it does not. Where sides meet to the last digit, it may be said that it does not, never the reverse. The `corners` are
+    /// walked counterclockwise, as the light sees them. Takes a fraction of a microsecond.
     pub(super) fn goes_round_all(&self, corners: [DVec3; 3]) -> bool {
         let Some(view) = &self.view else { return false };
         let [a, b, c] = corners.map(|corner| place(view, corner));
+        let (middle, borders) = ((a + b + c) / 3.0, [[a, b], [b, c], [c, a]]);
         let around = [a.min(b).min(c), a.max(b).max(c)];
-        self.at((a + b + c) / 3.0, None) > 0
-            && !self.near(&self.outer, around).any(|stretch| is_within(stretch, [[a, b], [b, c], [c, a]]))
+        let part_of = |side: Side| {
+            let is_facing = (side[1] - side[0]).perp_dot(middle - side[0]) >= 0.0;
+            if is_facing { part_within(side, borders) } else { None }
+        };
+        let times = self.at(middle, None);
+        let mut left = times;
+        // Each side may take one.
+        let is_last = |side: Side| {
+            left -= i32::from(part_of(side).is_some());
+            left <= 0
+        };
+        times > 0
+            && (!self.is_any_near(around, is_last)
+                || !self.is_any_near(around, |side| part_of(side).is_some_and(|part| self.is_outer(side, part))))
+    }
+
+    /// Whether there is a place to the right of a part of `side` round which the silhouette does not go.
+    fn is_outer(&self, side: Side, [start, end]: [f64; 2]) -> bool {
+        let at = |t: f64| side[0].lerp(side[1], t);
+        let (from, to) = (at(start), at(end));
+        // Where others go over it, and how much oftener the silhouette goes round what is beyond. Neighbours only meet its ends.
+        let mut meetings: Vec<(f64, i32)> = Vec::new();
+        self.is_any_near([from.min(to), from.max(to)], |other| {
+            meetings.extend(meeting(side, other).filter(|(t, _)| start < *t && *t < end));
+            false
+        });
+        meetings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let first = meetings.first().map_or(end, |(t, _)| *t);
+        let mut times = self.at(at(0.5 * (start + first)), Some(side));
+        times <= 0
+            || meetings.iter().any(|(_, gained)| {
+                times += gained;
+                times <= 0
+            })
     }
 
     /// How often the silhouette goes round `place`: as often as round the middle of its cell, but for what is crossed on the way from there. It is to the right of
@@ -207,8 +217,7 @@ impl Windings {
             return 0;
         }
         let (number, middle) = (cell[1] * self.width + cell[0], self.middle(cell));
-        let crossed =
-            self.cells.of(number).iter().map(|&(side, _)| on_the_way(side, [middle, place], beside == Some(side)));
+        let crossed = self.cells.of(number).iter().map(|&side| on_the_way(side, [middle, place], beside == Some(side)));
         self.at_middles[number] + crossed.sum::<i32>()
     }
 }
@@ -219,23 +228,25 @@ fn place(view: &Chart, point: DVec3) -> DVec2 {
     flat.truncate() / flat.z
 }
 
-/// Whether a part of a stretch is to the left of each of the `borders`, not on them.
-fn is_within(([from, to], [mut start, mut end]): Stretch, borders: [Side; 3]) -> bool {
+/// From where to where a side is to the left of each of the `borders`, not on them.
+#[inline]
+fn part_within([from, to]: Side, borders: [Side; 3]) -> Option<[f64; 2]> {
+    let (mut start, mut end) = (0.0_f64, 1.0_f64);
     for [p, q] in borders {
         let [at_from, at_to] = [from, to].map(|place| (q - p).perp_dot(place - p));
-        let crossed = at_from / (at_from - at_to);
         match (at_from > 0.0, at_to > 0.0) {
-            (false, false) => return false,
-            (true, false) => end = end.min(crossed),
-            (false, true) => start = start.max(crossed),
+            (false, false) => return None,
+            (true, false) => end = end.min(at_from / (at_from - at_to)),
+            (false, true) => start = start.max(at_from / (at_from - at_to)),
             (true, true) => {}
         }
     }
-    start < end
+    (start < end).then_some([start, end])
 }
 
 /// How much oftener a silhouette goes round the end of a way than round its start, for one of its sides; `is_end_right` if the end is on that side, and meant as
 /// the place to the right of it.
+#[inline]
 fn on_the_way([a, b]: Side, [start, end]: [DVec2; 2], is_end_right: bool) -> i32 {
     let is_left = |place: DVec2| (b - a).perp_dot(place - a) > 0.0;
     let (from_left, to_left) = (is_left(start), is_left(end) && !is_end_right);
@@ -309,7 +320,7 @@ mod tests {
                 let [p, q, r] = [a, b, c].map(|corner| place(view, corner));
                 let around = [p.min(q).min(r), p.max(q).max(r)];
                 let borders = [[p, q], [q, r], [r, p]];
-                let is_crossed = windings.near(&windings.cells, around).any(|stretch| is_within(stretch, borders));
+                let is_crossed = windings.is_any_near(around, |side| part_within(side, borders).is_some());
                 crossed += usize::from(is_crossed && is_found);
                 round += usize::from(is_found);
                 same += usize::from(is_found && is_said);

@@ -64,7 +64,7 @@ impl SmoothPlanner<'_> {
         // Before its silhouette is known, a curve may bulge by as much as it is long.
         rect_by_culling(&self.body.loose_bounds(), self.culler, options, self.light_rect)?;
         let Some(volume) = smooth_volume(caster, self.body, self.windings, light, smoothness) else { return Ok(None) };
-        if volume.most_overlaps(self.body, caster, light) > MOST_OVERLAPS {
+        if volume.most_overlaps(self.body, caster, light, MOST_OVERLAPS) > MOST_OVERLAPS {
             return Ok(None);
         }
         let bounds = volume.bounds(caster);
