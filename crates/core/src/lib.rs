@@ -57,7 +57,7 @@ pub use disc::{SUN_DIAMETER_RAD, disc_sector, disc_segment, disc_share};
 pub use light::{Cone, Extent, Light, LightPosition};
 pub use mesh::{Mesh, MeshCounts, MeshError, Surface};
 pub use oracle::{Judgement, Oracle, SeenLight, Verdict};
-pub(crate) use overlap::{Chart, ahead_of, most_overlaps_of, most_stacked};
+pub(crate) use overlap::{Chart, Stack, ahead_of, most_overlaps_of};
 pub use overlap::{most_overlaps, needs_light_cap, split_chain};
 pub use penumbra::LightFace;
 pub use pose::{Deformer, Influence, Pose};

@@ -29,7 +29,7 @@ mod sweep;
 use glam::{DVec2, DVec3, Vec3};
 
 use self::columns::Columns;
-pub(crate) use self::stacked::most_stacked;
+pub(crate) use self::stacked::Stack;
 use self::sweep::Sweep;
 
 use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume};

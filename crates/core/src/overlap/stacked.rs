@@ -8,36 +8,49 @@ use rayon::prelude::*;
 use super::{Chart, WIDENED, ahead_of};
 use crate::{Bounds, LightPosition};
 
-/// Rows and columns of a first grid and of one that takes longer.
-const CELLS: [usize; 2] = [256, 1024];
+/// Rows and columns of a grid that is soon looked over, and of one that takes milliseconds.
+const ROUGH: usize = 256;
+const CLOSE: usize = 1024;
 
 /// From where to where on the grid, from 0 to 1 across it and up it.
 type Box = [DVec2; 2];
 
-/// No ray from `light` meets more of `triangles`, all of them in `bounds`, than this; a number no better than `enough` is as good as any. Takes some 20 ns for each, and
-/// a few milliseconds more where a first look is not enough.
-pub(crate) fn most_stacked(
-    triangles: impl ParallelIterator<Item = [Vec3; 3]>,
-    bounds: &Bounds,
-    light: LightPosition,
-    enough: u32,
-) -> u32 {
-    let Some(ahead) = ahead_of(bounds, light) else { return triangles.count() as u32 };
-    let right = ahead.any_orthonormal_vector();
-    let chart = Chart::around(light, [right, right.cross(ahead), ahead], bounds);
-    let boxes: Vec<Box> = triangles
-        .map(|triangle| {
-            let [a, b, c] = triangle.map(|p| chart.on_grid(chart.flat(p.as_dvec3())));
-            [a.min(b).min(c), a.max(b).max(c)]
-        })
-        .collect();
-    let mut most = boxes.len() as u32;
-    for cells in CELLS {
-        if most > enough {
-            most = most.min(most_on_grid(&boxes, cells));
-        }
+/// Triangles as a light sees them.
+#[derive(Debug)]
+pub(crate) struct Stack {
+    count: u32,
+    /// `None` around the light, where there is no plane before it.
+    boxes: Option<Vec<Box>>,
+}
+
+impl Stack {
+    /// Of `triangles`, all of them in `bounds`. Takes some 20 ns for each.
+    pub(crate) fn new(
+        triangles: impl ParallelIterator<Item = [Vec3; 3]>,
+        bounds: &Bounds,
+        light: LightPosition,
+    ) -> Self {
+        let Some(ahead) = ahead_of(bounds, light) else { return Self { count: triangles.count() as u32, boxes: None } };
+        let right = ahead.any_orthonormal_vector();
+        let chart = Chart::around(light, [right, right.cross(ahead), ahead], bounds);
+        let boxes: Vec<Box> = triangles
+            .map(|triangle| {
+                let [a, b, c] = triangle.map(|p| chart.on_grid(chart.flat(p.as_dvec3())));
+                [a.min(b).min(c), a.max(b).max(c)]
+            })
+            .collect();
+        Self { count: boxes.len() as u32, boxes: Some(boxes) }
     }
-    most
+
+    /// No ray from the light meets more of them than this.
+    pub(crate) fn most_roughly(&self) -> u32 {
+        self.boxes.as_ref().map_or(self.count, |boxes| most_on_grid(boxes, ROUGH))
+    }
+
+    /// The same, nearer to how many it does meet.
+    pub(crate) fn most_closely(&self) -> u32 {
+        self.boxes.as_ref().map_or(self.count, |boxes| most_on_grid(boxes, CLOSE))
+    }
 }
 
 /// How many of `boxes` touch one of so many rows and columns of `cells`.
@@ -82,33 +95,35 @@ mod tests {
         [at, at + Vec3::X * 0.5, at + Vec3::Y * 0.5]
     }
 
-    fn most(triangles: &[[Vec3; 3]], light: LightPosition, enough: u32) -> u32 {
+    /// Roughly and closely.
+    fn most(triangles: &[[Vec3; 3]], light: LightPosition) -> [u32; 2] {
         let bounds = Bounds::of_points(triangles.iter().flatten().map(|p| p.as_dvec3()));
-        most_stacked(triangles.par_iter().copied(), &bounds, light, enough)
+        let stack = Stack::new(triangles.par_iter().copied(), &bounds, light);
+        [stack.most_roughly(), stack.most_closely()]
     }
 
     #[test]
     fn a_stack_is_as_high_as_it_is_and_a_row_is_low() {
         let stack: Vec<_> = (0..40).map(|i| tile(0.0, 0.001 * i as f32)).collect();
-        assert_eq!(most(&stack, sun(), 0), 40);
+        assert_eq!(most(&stack, sun()), [40; 2]);
         let row: Vec<_> = (0..40).map(|i| tile(i as f32, 0.0)).collect();
-        assert_eq!(most(&row, sun(), 0), 1);
+        assert_eq!(most(&row, sun()), [1; 2]);
         let both: Vec<_> = row.iter().chain(&stack).copied().collect();
-        assert_eq!(most(&both, LightPosition::point(DVec3::new(3.0, 3.0, 9.0)), 0), 41);
+        assert_eq!(most(&both, LightPosition::point(DVec3::new(3.0, 3.0, 9.0))), [41; 2]);
     }
 
     #[test]
-    fn what_is_enough_is_not_made_better_and_what_is_not_is() {
-        // A tenth of them in the height of the others' cells.
-        let row: Vec<_> = (0..4000).map(|i| tile(0.01 * i as f32, 0.0).map(|p| p * Vec3::new(1.0, 0.1, 1.0))).collect();
-        let [few, most_allowed, many] = [0, 3999, 4000].map(|enough| most(&row, sun(), enough));
-        assert_eq!(many, 4000);
-        assert!(few <= most_allowed && few < 100, "{few} and {most_allowed}");
+    fn a_closer_look_tells_more_of_a_row_that_is_crowded() {
+        let flat = Vec3::new(1.0, 0.1, 1.0);
+        let row: Vec<_> = (0..4000).map(|i| tile(0.01 * i as f32, 0.0).map(|p| p * flat)).collect();
+        let [roughly, closely] = most(&row, sun());
+        // A tile is as wide as fifty steps.
+        assert!((50..70).contains(&closely) && (closely..90).contains(&roughly), "{closely} and {roughly}");
     }
 
     #[test]
     fn around_a_light_all_may_be_behind_each_other() {
         let row: Vec<_> = (0..40).map(|i| tile(i as f32, 0.0)).collect();
-        assert_eq!(most(&row, LightPosition::point(DVec3::new(3.0, 0.1, 0.0)), 0), 40);
+        assert_eq!(most(&row, LightPosition::point(DVec3::new(3.0, 0.1, 0.0))), [40; 2]);
     }
 }

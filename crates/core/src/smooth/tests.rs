@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::*;
 use crate::{Caster, LightPosition, Mesh, Object, Surface, Topology, shapes};
@@ -130,6 +131,20 @@ fn behind_a_body_no_count_is_below_0_whatever_its_normals() {
         }
     }
     assert!(decided > 10_000 && dark > 1_000, "{decided} counts, {dark} of them in the dark");
+}
+
+#[test]
+fn volumes_made_on_all_threads_at_once_are_those_made_one_by_one() {
+    let body = body_of(&caster_of(shapes::torus(Vec3::ZERO, 1.0, 0.4, 48, 24)));
+    let lights: Vec<LightPosition> = lights().collect();
+    let make = |light: &LightPosition| SmoothVolume::new(&body, *light, &smooth(0.001));
+    let one_by_one: Vec<SmoothVolume> = lights.iter().map(make).collect();
+    // More threads than there may be processors, so that some wait for others, and are given more to do meanwhile.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("there is room for threads");
+    for _ in 0..10 {
+        let at_once: Vec<SmoothVolume> = pool.install(|| lights.par_iter().map(make).collect());
+        assert!(at_once == one_by_one);
+    }
 }
 
 #[test]

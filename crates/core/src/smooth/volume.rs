@@ -24,7 +24,7 @@ use std::cell::RefCell;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, most_overlaps_of, most_stacked, needs_light_cap};
+use crate::{Bounds, Caster, Chain, LightPosition, ShadowVolume, Stack, most_overlaps_of, needs_light_cap};
 
 use super::AT_ONCE;
 use super::body::SmoothBody;
@@ -73,7 +73,10 @@ impl SmoothVolume {
     /// Linear in the number of silhouette edges but for the search, which is [`crate::NormalFinder`]'s, and one look at each vertex and crease.
     pub fn new(body: &SmoothBody, light: LightPosition, smoothness: &Smoothness) -> Self {
         let mut volume = Self::default();
-        SCRATCH.with_borrow_mut(|scratch| volume.make(body, light, smoothness, scratch));
+        // Taken, not borrowed: while this thread waits for others, it may be given another volume to make.
+        let mut scratch = SCRATCH.take();
+        volume.make(body, light, smoothness, &mut scratch);
+        SCRATCH.set(scratch);
         volume
     }
 
@@ -134,10 +137,17 @@ impl SmoothVolume {
         };
         let bounds = self.bounds(caster);
         let around = |enough| most_overlaps_of((&positions, &bounds), &volume, light, enough);
-        let stacked = || most_stacked(self.turned_away(caster, light), &bounds, light, enough / 2);
-        let (first, stacked) = rayon::join(|| around(enough / 2), stacked);
-        let most = first.saturating_add(stacked);
-        if most <= enough { most } else { around(enough.saturating_sub(stacked)).saturating_add(stacked) }
+        let stacked = || {
+            let stack = Stack::new(self.turned_away(caster, light), &bounds, light);
+            (stack.most_roughly(), stack)
+        };
+        let (around_roughly, (stacked, stack)) = rayon::join(|| around(enough / 2), stacked);
+        let most = around_roughly.saturating_add(stacked);
+        if most <= enough {
+            return most;
+        }
+        let stacked = stacked.min(stack.most_closely());
+        around(enough.saturating_sub(stacked)).saturating_add(stacked)
     }
 
     /// The box of the caster, and of the silhouette, which may bulge out of it.
