@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod curved;
 #[path = "../held_to_webgl2/mod.rs"]
 mod held_to_webgl2;
 mod lamps;

@@ -1,12 +1,14 @@
 //! Bodies over a floor, and how much of a light is seen in a picture of them.
 
+use std::f64::consts::FRAC_PI_3;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
-    Camera, Caster, Extent, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, Surface, shapes,
+    Camera, Caster, Extent, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, SmoothBody, Surface,
+    corner_normals, shapes,
 };
-use umbrae_render::{AdapterChoice, Gpu, GpuError, GpuScene, Renderer, ShadowOptions, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuError, GpuScene, Renderer, ShadowOptions, Shot, Smooth};
 
 /// Half of the floor's side.
 const FLOOR_M: f32 = 200.0;
@@ -38,9 +40,27 @@ impl Stage {
         Self { renderer, casters, scene }
     }
 
+    /// Makes smooth bodies of all but the floor.
+    pub(crate) fn round_off(&mut self) {
+        let (_, bodies) = self.casters.split_last().unwrap();
+        let body = |caster: &Caster| Some(SmoothBody::new(caster, &corner_normals(caster, &[], FRAC_PI_3)).unwrap());
+        self.scene.give_bodies(bodies.iter().map(body).collect());
+    }
+
+    /// The last of the casters.
+    pub(crate) fn floor(&self) -> &[Caster] {
+        &self.casters[self.casters.len() - 1..]
+    }
+
     /// Row by row from the top.
     pub(crate) fn seen(&self, camera: &Camera, light: &Light) -> Vec<f32> {
-        let shot = Shot::new(&self.scene, &self.casters, camera, &[]);
+        self.seen_past(camera, light, Smooth::Off)
+    }
+
+    /// As [`Stage::seen`], past such silhouettes.
+    pub(crate) fn seen_past(&self, camera: &Camera, light: &Light, smooth: Smooth) -> Vec<f32> {
+        let shadows = ShadowOptions { smooth, ..ShadowOptions::default() };
+        let shot = Shot { shadows, ..Shot::new(&self.scene, &self.casters, camera, &[]) };
         pollster::block_on(self.renderer.visibility(&shot, light)).unwrap().seen
     }
 
