@@ -91,7 +91,7 @@ pub(crate) fn fold_sums(device: &wgpu::Device, samples: u32) -> wgpu::ShaderModu
 }
 
 pub(crate) fn find(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "find silhouettes", &[JOB, NEAR, include_str!("shaders/find.wgsl")])
+    module(device, "find silhouettes", &[JOB, FLAT_NORMAL, NEAR, include_str!("shaders/find.wgsl")])
 }
 
 /// The passes that find smooth silhouettes.
@@ -99,7 +99,7 @@ pub(crate) fn find_smooth(device: &wgpu::Device) -> wgpu::ShaderModule {
     let [curve, find] = [include_str!("shaders/curve.wgsl"), include_str!("shaders/find_smooth.wgsl")];
     let facing = include_str!("shaders/find_smooth_facing.wgsl");
     let creases = include_str!("shaders/find_smooth_creases.wgsl");
-    module(device, "find smooth silhouettes", &[SMOOTH_JOB, NEAR, curve, find, facing, creases])
+    module(device, "find smooth silhouettes", &[SMOOTH_JOB, FLAT_NORMAL, NEAR, curve, find, facing, creases])
 }
 
 /// Volumes of smooth silhouettes that were found on the GPU.
@@ -111,7 +111,11 @@ pub(crate) fn found_smooth_volume(device: &wgpu::Device) -> wgpu::ShaderModule {
 
 /// The passes that find silhouettes in textures.
 pub(crate) fn find_basic(device: &wgpu::Device) -> wgpu::ShaderModule {
-    module(device, "find silhouettes in textures", &[FOUND_TABLES, include_str!("shaders/find_basic.wgsl")])
+    module(
+        device,
+        "find silhouettes in textures",
+        &[FOUND_TABLES, FLAT_NORMAL, include_str!("shaders/find_basic.wgsl")],
+    )
 }
 
 /// Volumes whose silhouettes were found in textures.

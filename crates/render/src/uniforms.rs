@@ -227,6 +227,7 @@ pub(crate) mod tests {
     fn what_silhouettes_are_found_with_has_the_same_bytes_in_rust_and_wgsl() {
         let source = concat!(
             include_str!("shaders/job.wgsl"),
+            include_str!("shaders/flat_normal.wgsl"),
             include_str!("shaders/near.wgsl"),
             include_str!("shaders/find.wgsl")
         );
@@ -271,6 +272,7 @@ pub(crate) mod tests {
     fn what_smooth_silhouettes_are_found_with_has_the_same_bytes_in_rust_and_wgsl() {
         let source = concat!(
             include_str!("shaders/smooth_job.wgsl"),
+            include_str!("shaders/flat_normal.wgsl"),
             include_str!("shaders/near.wgsl"),
             include_str!("shaders/curve.wgsl"),
             include_str!("shaders/find_smooth.wgsl"),

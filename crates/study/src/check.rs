@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::random::Random;
 use crate::{Blockers, Exposure, Packets, Receivers, SunDisc};
 
 /// What a check has found.
@@ -80,7 +81,7 @@ impl Blockers {
     pub fn visible_share_by_rays(&self, position: DVec3, normal: Vec3, to_sun: DVec3, side: u32) -> f64 {
         let disc = SunDisc::new(to_sun);
         let bits = [position.x, position.y, position.z, to_sun.x, to_sun.y, to_sun.z].map(f64::to_bits);
-        let mut random = SplitMix(bits.iter().fold(0, |seed, &bits| seed ^ bits).wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut random = Random(bits.iter().fold(0, |seed, &bits| seed ^ bits).wrapping_mul(0x2545_f491_4f6c_dd1d));
         let mut seen = 0_u32;
         for part in 0..side * side {
             let [x, y] =
@@ -105,18 +106,4 @@ fn in_disc(place: DVec2) -> DVec2 {
         (place.y, FRAC_PI_4 * (2.0 - place.x / place.y))
     };
     radius * DVec2::from_angle(angle)
-}
-
-/// Random numbers that are the same on every run: `SplitMix64` (G. L. Steele, D. Lea, C. H. Flood 2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    /// From 0, below 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }

@@ -27,6 +27,7 @@ mod packets;
 mod period;
 mod place;
 mod profile;
+mod random;
 mod receivers;
 mod refinement;
 pub mod rules;

@@ -1,4 +1,4 @@
-// Finds the silhouettes of all lights of a frame: `find_triangles`, then `find_edges`, then `find_arguments`. Needs job.wgsl and near.wgsl.
+// Finds the silhouettes of all lights of a frame: `find_triangles`, then `find_edges`, then `find_arguments`. Needs job.wgsl, flat_normal.wgsl and near.wgsl.
 //
 // Each triangle is turned to each light by one expression, once; what comes out is stored as two bits, 0 for 0, 1 for +1 and 2 for -1, of 16
 // lights to a word. Sides and caps are made of these bits alone, so that volumes are closed whatever the rounding.

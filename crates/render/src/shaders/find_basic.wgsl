@@ -1,4 +1,4 @@
-// Chains and their boundaries for many lights at once, one fragment for each triangle or edge. Needs found_tables.wgsl.
+// Chains and their boundaries for many lights at once, one fragment for each triangle or edge. Needs found_tables.wgsl and flat_normal.wgsl.
 
 struct FoundLights {
     // McGuire's homogeneous positions.
@@ -42,10 +42,6 @@ fn vs_table(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
 
 fn corner(i: u32) -> vec3f {
     return position_in(textureLoad(positions, place_of(i), 0));
-}
-
-fn largest(v: vec3f) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
 // The only place where a triangle is tested against a light: sides and caps read what is written here, so that they agree whatever the

@@ -1,6 +1,6 @@
 // Finds the smooth silhouette of one body under one light, and what closes its volume: `find_normals` and `find_inner_places` (of bodies that have moved),
 // `find_heights`, `find_crossings`, `find_faces`, `find_creases`, `find_smooth_arguments`. The same faces as in `core/src/smooth/volume.rs`, which has a picture
-// of them. Needs smooth_job.wgsl, near.wgsl, curve.wgsl, find_smooth_facing.wgsl and find_smooth_creases.wgsl.
+// of them. Needs smooth_job.wgsl, flat_normal.wgsl, near.wgsl, curve.wgsl, find_smooth_facing.wgsl and find_smooth_creases.wgsl.
 //
 // Whether a wedge is turned to the light is decided once, by the sign of a height that is stored, and a crossing is made once for each edge between
 // wedges; triangles only name them. So neighbours walk the same points, bit for bit, and the volume is closed whatever the rounding.

@@ -1,4 +1,4 @@
-// Whether a triangle may be between a light and the near rectangle. Needs a `finding` and `lights`.
+// Whether a triangle may be between a light and the near rectangle. Needs a `finding`, `lights` and flat_normal.wgsl.
 
 struct Finding {
     light_count: u32,
@@ -27,10 +27,6 @@ struct FoundLight {
     planes: array<vec4f, 16>,
 }
 
-fn largest(v: vec3f) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
 struct Triangle {
     corners: array<vec3f, 3>,
     // Counter-clockwise, about as long as the triangle is wide for its length; 0 for corners on one line.
@@ -38,22 +34,8 @@ struct Triangle {
     normal_length: f32,
 }
 
-// The normal is from the two shorter edges: of the three pairs their product loses the least.
 fn triangle_of(a: vec3f, b: vec3f, c: vec3f) -> Triangle {
-    // Edges of about 1, so that nothing overflows.
-    let scale = max(largest(b - a), largest(c - a));
-    if scale == 0.0 {
-        return Triangle(array<vec3f, 3>(a, b, c), vec3f(0.0), 0.0);
-    }
-    let ab = (b - a) / scale;
-    let bc = (c - b) / scale;
-    let ca = (a - c) / scale;
-    var normal = cross(ab, bc);
-    if dot(ab, ab) > max(dot(bc, bc), dot(ca, ca)) {
-        normal = cross(bc, ca);
-    } else if dot(bc, bc) > dot(ca, ca) {
-        normal = cross(ca, ab);
-    }
+    let normal = scaled_normal(a, b, c);
     return Triangle(array<vec3f, 3>(a, b, c), normal, length(normal));
 }
 

@@ -308,42 +308,19 @@ impl<'a, L: Lanes> Walk<'a, L> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
-
     use super::*;
-    use crate::PACKET;
-    use crate::blockers::quads::Quad;
-
-    /// The same numbers on every run.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 40) as f64 / f64::from(1 << 24)
-    }
+    use crate::blockers::clutter::{CARE, clutter};
 
     #[test]
     fn every_processor_finds_the_same_receivers_and_faces() {
-        let mut seed = 1;
-        let mut point = |size: f64| (DVec3::new(random(&mut seed), random(&mut seed), random(&mut seed)) - 0.5) * size;
-        let quads = (0..500).map(|i| {
-            let (at, a, b) = (point(60.0).as_vec3(), point(12.0).as_vec3(), point(12.0).as_vec3());
-            let corners = [at, at + a, at + a + b, at + b];
-            Quad { corners, normal: a.cross(b).normalize_or(Vec3::Z), is_two_sided: i % 2 == 0 }
-        });
-        let tree = Tree::new(quads.collect());
-        let care = Care { margin: 1e-3, pad: 2e-3 };
+        let (tree, asked) = clutter();
         let mut seen = ConeShade::default();
-        for count in [PACKET, 13] {
-            let receivers: Vec<_> = (0..count)
-                .map(|i| (point(30.0).to_array(), if i % 3 == 0 { point(1.0).as_vec3().to_array() } else { [0.0; 3] }))
-                .collect();
-            let cell = Cell::new(&receivers);
-            let lights: Vec<_> =
-                (0..200).map(|i| (i % 7 != 0).then(|| LightSpace::new(point(2.0).normalize_or(DVec3::Z)))).collect();
+        for (cell, lights) in asked {
             let (mut plain, mut best) = (Vec::new(), Vec::new());
-            shade_in_order::<Plain>(&tree, &cell, &lights, care, |i, shade, touches| {
+            shade_in_order::<Plain>(&tree, &cell, &lights, CARE, |i, shade, touches| {
                 plain.push((i, shade, touches.to_vec()));
             });
-            shade_all(&tree, &cell, &lights, care, |i, shade, touches| best.push((i, shade, touches.to_vec())));
+            shade_all(&tree, &cell, &lights, CARE, |i, shade, touches| best.push((i, shade, touches.to_vec())));
             assert_eq!(plain, best);
             for (_, shade, touches) in best {
                 let by_faces = touches.iter().fold(0, |all, touch| all | touch.receivers);

@@ -1,5 +1,7 @@
 //! What casts shadows, made ready to be asked for many receivers and suns.
 
+#[cfg(test)]
+mod clutter;
 mod cone;
 mod disc;
 mod lanes;

@@ -229,33 +229,26 @@ fn outline(hidden: &Hidden) -> Vec<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The same numbers on every run.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 40) as f64 / f64::from(1 << 23) - 1.0
-    }
+    use crate::random::Random;
 
     /// A triangle that a receiver sees before the disc, about so many radii large.
-    fn triangle(disc: &SunDisc, seed: &mut u64, size: f64) -> [DVec3; 4] {
-        let middle = DVec2::new(random(seed), random(seed));
-        let mut corner = || {
-            let place = middle + size * DVec2::new(random(seed), random(seed));
-            disc.direction(place) * (20.0 + 10.0 * random(seed))
-        };
-        let [a, b, c] = [corner(), corner(), corner()];
+    fn triangle(disc: &SunDisc, random: &mut Random, size: f64) -> [DVec3; 4] {
+        let mut place = || 2.0 * DVec2::new(random.unit(), random.unit()) - 1.0;
+        let (middle, offsets) = (place(), [place(), place(), place()]);
+        let mut corner = |offset: DVec2| disc.direction(middle + size * offset) * (10.0 + 20.0 * random.unit());
+        let [a, b, c] = offsets.map(&mut corner);
         [a, b, c, c]
     }
 
     #[test]
     fn pieces_and_the_united_outlines_leave_the_same() {
         let disc = SunDisc::new(DVec3::new(0.48, -0.6, 0.64));
-        let (mut remainder, mut seed) = (Remainder::default(), 1);
+        let (mut remainder, mut random) = (Remainder::default(), Random(1));
         let mut partial = 0;
         for round in 0..400 {
             remainder.clear();
             for _ in 0..round % 40 + 1 {
-                remainder.hide(&disc, &triangle(&disc, &mut seed, 0.3 + 0.05 * f64::from(round % 7)), true);
+                remainder.hide(&disc, &triangle(&disc, &mut random, 0.3 + 0.05 * f64::from(round % 7)), true);
             }
             let pieces = remainder.share_of_pieces(usize::MAX).expect("as many as there are");
             let union = remainder.share_beside_union();

@@ -281,7 +281,8 @@ fn a_table_with_more_rows_than_the_device_allows_is_refused_with_both_sizes() {
 /// The sources of all modules as they are compiled, by name.
 pub(super) fn sources() -> [(&'static str, String); 3] {
     let tables = include_str!("../../../shaders/found_tables.wgsl");
-    let find = [tables, include_str!("../../../shaders/find_basic.wgsl")].concat();
+    let flat_normal = include_str!("../../../shaders/flat_normal.wgsl");
+    let find = [tables, flat_normal, include_str!("../../../shaders/find_basic.wgsl")];
     let volume = [
         include_str!("../../../shaders/view.wgsl"),
         include_str!("../../../shaders/light.wgsl"),
@@ -289,13 +290,8 @@ pub(super) fn sources() -> [(&'static str, String); 3] {
         tables,
         include_str!("../../../shaders/found_basic_volume.wgsl"),
     ];
-    let displace = [
-        tables,
-        include_str!("../../../shaders/flat_normal.wgsl"),
-        include_str!("../../../shaders/displace.wgsl"),
-        NOT_MOVED,
-    ];
-    [("find_basic", find), ("found_basic_volume", volume.concat()), ("displace", displace.concat())]
+    let displace = [tables, flat_normal, include_str!("../../../shaders/displace.wgsl"), NOT_MOVED];
+    [("find_basic", find.concat()), ("found_basic_volume", volume.concat()), ("displace", displace.concat())]
 }
 
 #[test]
