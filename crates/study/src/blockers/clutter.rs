@@ -5,8 +5,10 @@ use glam::{DVec3, Vec3};
 use crate::PACKET;
 use crate::random::Random;
 
+use super::beam::Care;
+use super::cell::Cell;
+use super::light_space::LightSpace;
 use super::quads::Quad;
-use super::shaft::{Care, Cell, LightSpace};
 use super::tree::Tree;
 
 pub(super) const CARE: Care = Care { margin: 1e-3, pad: 2e-3 };

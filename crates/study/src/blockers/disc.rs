@@ -14,9 +14,10 @@ use rayon::prelude::*;
 
 use super::Blockers;
 use super::cone::{self, ConeShade, Touch};
+use super::light_space::LightSpace;
 use super::remainder::Remainder;
-use super::shaft::{Care, Cell, LightSpace};
 use super::tree::Leaf;
+use super::walk::Asked;
 use crate::{DiscExposure, Exposure, Packets, PartialSun, Receivers, SunDisc};
 
 /// A disc and what of it is above the horizon.
@@ -99,11 +100,10 @@ impl Blockers {
         row: &mut [u64],
         remainder: &mut Remainder,
     ) -> Vec<PartialSun> {
-        let of = |&r: &u32| (receivers.positions[r as usize].to_array(), receivers.normals[r as usize].to_array());
-        let cell = Cell::new(&members.iter().map(of).collect::<Vec<_>>());
-        let care = Care { margin: self.margin_m as f32, pad: self.pad(cell.middle) };
+        let (cell, care) = self.cell(receivers, members);
+        let asked = Asked { tree: &self.tree, cell: &cell, lights, care };
         let mut partial = Vec::new();
-        cone::shade_all(&self.tree, &cell, lights, care, |step, ConeShade { dark, touched }, touches| {
+        cone::shade_all(asked, |step, ConeShade { dark, touched }, touches| {
             let Some(sun) = &discs[step] else { return };
             let free = cell.used & !dark & !touched;
             let is_up = sun.share_above_horizon >= 1.0;

@@ -1,7 +1,7 @@
 //! Eight numbers at a time: with AVX2 where the processor has it, else in plain Rust.
 //!
-//! Products and sums are never fused, so every processor finds the same bits. What is generic over [`Lanes`] must be inlined, all the way up to a
-//! function that is compiled for AVX2 and names [`Avx`]. The unsafe code is here, and where that function is called.
+//! Products and sums are never fused, so every processor finds the same bits. What is generic over [`Lanes`] must be inlined, all the way up to
+//! [`OnLanes::run`], which is compiled for each; closures are not always, and then everything takes four times as long. All unsafe code of the engine is here.
 
 /// How many numbers.
 pub(super) const LANES: usize = 8;
@@ -175,8 +175,22 @@ impl Lanes for Plain {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-pub(super) use avx::Avx;
+/// What is done eight numbers at a time.
+pub(super) trait OnLanes {
+    /// To be inlined.
+    fn run<L: Lanes>(self);
+}
+
+/// Does `work` with the best that the processor has.
+pub(super) fn on_best_lanes(work: impl OnLanes) {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        #[expect(unsafe_code, reason = "the processor was asked")]
+        // SAFETY: the processor has AVX2.
+        return unsafe { avx::run(work) };
+    }
+    work.run::<Plain>();
+}
 
 #[cfg(target_arch = "x86_64")]
 #[expect(
@@ -190,11 +204,16 @@ mod avx {
         _mm256_store_ps, _mm256_sub_ps,
     };
 
-    use super::{Eight, Lanes};
+    use super::{Eight, Lanes, OnLanes};
 
-    /// For processors with AVX2: to be named only by functions that are compiled for it.
+    #[target_feature(enable = "avx2")]
+    pub(super) fn run(work: impl OnLanes) {
+        work.run::<Avx>();
+    }
+
+    /// To be named only by functions that are compiled for AVX2.
     #[derive(Debug, Clone, Copy)]
-    pub(in super::super) struct Avx(__m256);
+    struct Avx(__m256);
 
     // SAFETY, of all calls below: the processor has the instructions, as above; the two that touch memory are given an `Eight`, which is as large and as
     // aligned as they ask.

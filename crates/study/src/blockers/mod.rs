@@ -1,14 +1,19 @@
 //! What casts shadows, made ready to be asked for many receivers and suns.
 
+mod beam;
+mod cell;
 #[cfg(test)]
 mod clutter;
 mod cone;
 mod disc;
+mod faces;
 mod lanes;
+mod light_space;
 mod quads;
 mod remainder;
 mod shaft;
 mod tree;
+mod walk;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,8 +23,11 @@ use rayon::prelude::*;
 use umbrae_core::{Bounds, Caster, RayCaster};
 
 use crate::{Exposure, Packets, Receivers};
-use shaft::{Care, Cell, LightSpace};
+use beam::Care;
+use cell::Cell;
+use light_space::LightSpace;
 use tree::Tree;
+use walk::Asked;
 
 /// The triangles of a scene, made ready: a tree of faces for packets of receivers, and rays in `f64` for what is too near to an edge to call, and to check.
 ///
@@ -112,11 +120,10 @@ impl Blockers {
         lights: &[Option<LightSpace>],
         row: &mut [u64],
     ) -> Vec<(u32, u32)> {
-        let of = |&r: &u32| (receivers.positions[r as usize].to_array(), receivers.normals[r as usize].to_array());
-        let cell = Cell::new(&members.iter().map(of).collect::<Vec<_>>());
+        let (cell, care) = self.cell(receivers, members);
+        let asked = Asked { tree: &self.tree, cell: &cell, lights, care };
         let mut near = Vec::new();
-        let care = Care { margin: self.margin_m as f32, pad: self.pad(cell.middle) };
-        shaft::shade_all(&self.tree, &cell, lights, care, |step, shade| {
+        shaft::shade_all(asked, |step, shade| {
             row[step] = cell.used & !shade.shadow;
             if shade.near != 0 {
                 near.push((step, shade.near));
@@ -138,6 +145,14 @@ impl Blockers {
             }
         }
         undecided
+    }
+
+    /// Those of the receivers that are `members` of a packet, and how certain they must be.
+    fn cell(&self, receivers: &Receivers, members: &[u32]) -> (Cell, Care) {
+        let of = |&r: &u32| (receivers.positions[r as usize].to_array(), receivers.normals[r as usize].to_array());
+        let cell = Cell::new(&members.iter().map(of).collect::<Vec<_>>());
+        let care = Care { margin: self.margin_m as f32, pad: self.pad(cell.middle) };
+        (cell, care)
     }
 
     /// What boxes are widened by for receivers about `middle`: more than the margin, and than rounding over the way to the farthest triangle.
