@@ -13,6 +13,7 @@ pub mod cli;
 pub mod doctor;
 pub mod extent;
 pub mod inspect;
+mod light_warnings;
 pub mod lights;
 pub mod model;
 pub mod output;

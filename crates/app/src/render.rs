@@ -16,7 +16,8 @@ use web_time::Instant;
 use crate::area::{Area, as_points};
 use crate::cache::Cache;
 use crate::cli::{Method, Posing, RenderArgs, Silhouette};
-use crate::extent::{ExtentChoice, with_extents};
+use crate::extent::with_extents;
+use crate::light_warnings::{warn_of_cuts, warn_of_darkness, warn_of_no_extent};
 use crate::lights::{lights, reaching};
 use crate::model::load_all;
 use crate::output::{Output, Staged, png, write_to_stdout};
@@ -112,6 +113,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         gpu_scene.give_finders(finders(&Cache::new(folder)?, &casters, args.shadows.options().silhouettes, talk));
     }
     let shadows = ShadowOptions { soft: soft > 0, ..args.shadows.options() };
+    warn_of_cuts(&lights, &scene.objects, &casters, talk);
     let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows, look };
 
     let start = Instant::now();
@@ -431,32 +433,6 @@ fn best_posing(gpu: &Gpu, moves: bool) -> Posing {
 /// Each in quotation marks.
 fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| format!("`{}`", path.display())).collect::<Vec<_>>().join(", ")
-}
-
-fn warn_of_no_extent(lights: &[Light], (args, all): (&RenderArgs, Option<ExtentChoice>), talk: &Talk) {
-    let is_all = |is: fn(&Light) -> bool| lights.iter().all(is);
-    if args.sun_disc && is_all(|light| !light.position.is_directional()) {
-        talk.warning("--sun-disc changes nothing: no light is the sun; --light-radius gives lamps a size");
-    }
-    if all.is_some() && is_all(|light| light.position.is_directional()) {
-        talk.warning(
-            "--light-radius and --light-size change nothing: no light is a lamp; --sun-disc gives the sun its size",
-        );
-    }
-    if args.soft && is_all(|light| light.extent == Extent::Point) {
-        talk.warning(
-            "--soft changes nothing: no light has a size; --sun-disc, --light-radius or --light-size give one",
-        );
-    }
-}
-
-fn warn_of_darkness(lights: &[Light], talk: &Talk) {
-    for light in lights {
-        let l = light.position.homogeneous();
-        if light.position.is_directional() && l.z <= 0.0 {
-            talk.warning(&format!("the {} is not above the horizon: level ground is dark", light.name));
-        }
-    }
 }
 
 fn summary(stage: &Stage, args: &RenderArgs) -> String {

@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use glam::DAffine3;
 use umbrae_core::{Caster, NotSmooth, Object, SmoothBody, Topology, corner_normals, given_normals};
 
-use crate::talk::{Talk, counted};
+use crate::talk::{Talk, and_more, counted};
 
 /// Which casters are smooth.
 #[derive(Debug)]
@@ -61,8 +61,7 @@ pub fn smooth_bodies(
     let smooth = bodies.iter().flatten().count();
     let all = objects.len() - usize::from(ground.is_some());
     let warning = |(reason, names): (String, Vec<&str>)| {
-        let and_more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
-        format!("`{}`{and_more} can't be smooth, because {reason}: the shadow of the triangles is drawn", names[0])
+        format!("{} can't be smooth, because {reason}: the shadow of the triangles is drawn", and_more(&names))
     };
     SmoothBodies {
         note: format!("{} of {} cast smooth shadows", smooth, counted(all, "object")),

@@ -67,6 +67,14 @@ impl Talk {
     }
 }
 
+/// The first of `names`, and how many more there are; at least one.
+pub fn and_more(names: &[&str]) -> String {
+    match names {
+        [one] => format!("`{one}`"),
+        _ => format!("`{}` and {} more", names[0], names.len() - 1),
+    }
+}
+
 /// `1 light`, `2 lights`.
 pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })

@@ -283,6 +283,21 @@ fn soft_pictures_differ_from_hard_ones_and_masks_and_proofs_do_not() {
 }
 
 #[test]
+fn what_reaches_into_a_light_with_a_size_is_told() {
+    let place = Place::new();
+    let (model, picture) = (place.file("box.obj", BOX), place.out("x.png"));
+    let files = ["render", &model, "-o", &picture];
+    let run = |options: &[&str]| place.umbrae(&[&files[..], &SMALL[..], options].concat()).success();
+    let lamp = ["--point", "0.5,0.5,2.7"];
+    let told = "into the light `point 1`: its soft shadow is not right";
+    run(&[&lamp[..], &["--light-radius", "0.8"]].concat()).stderr(contains(told));
+    run(&[&lamp[..], &["--light-radius", "0.6"]].concat()).stderr(contains(told).not());
+    run(&[&lamp[..], &["--light-radius", "0.8", "--no-cast", "*"]].concat()).stderr(contains(told).not());
+    run(&[&lamp[..], &["--light-size", "0.5x0.5"]].concat()).stderr(contains(told).not());
+    run(&lamp).stderr(contains(told).not());
+}
+
+#[test]
 fn a_size_that_can_not_be_is_refused_and_one_that_changes_nothing_is_told() {
     let place = Place::new();
     let (model, picture) = (place.file("box.obj", BOX), place.out("x.png"));

@@ -1,4 +1,4 @@
-//! Soft shadows of coarse bodies that stand for curved ones: what the floor sees of a light past the curved body itself is the truth, by rays.
+//! Soft shadows of spheres, and of coarse bodies that stand for curved ones: what the floor sees of a light past the curved body itself is the truth, by rays.
 
 use glam::{DVec3, Vec3};
 use umbrae_core::{Camera, Extent, Light, LightPosition, Oracle, Sphere, Surface, shapes};
@@ -64,10 +64,30 @@ fn assert_rounder(name: &str, body: &Surface, truth: impl Fn(&Stage) -> Oracle) 
     told
 }
 
+/// In the middle, and one more that covers some of the same light.
+fn balls() -> [Sphere; 2] {
+    let ball =
+        |center: Vec3, radius| Sphere { name: "ball".into(), center: center.as_dvec3(), radius, base_color: Vec3::ONE };
+    [ball(MIDDLE, 1.0), ball(MIDDLE + Vec3::new(0.9, 0.8, 0.7), 0.4)]
+}
+
+#[test]
+fn penumbrae_of_spheres_are_as_rays_find_them() {
+    let stage = Stage::new(vec![]);
+    // Where two cover the same light their shares are multiplied, as if they covered it independently.
+    for (light, (spheres, worst)) in lights().into_iter().zip([(&balls()[..1], 0.03), (&balls(), 0.15)]) {
+        let camera = camera(&light);
+        let truth = Oracle::new(&stage.casters).with_spheres(spheres).seen_light(&camera, &light, 24, || ());
+        let truth: Vec<f64> = truth.into_iter().map(|seen| seen.unwrap().share).collect();
+        let errors = errors(&stage.seen_past_spheres(&camera, &light, spheres), &truth);
+        println!("{} of {}: {errors:.4?}", light.name, spheres.len());
+        assert!(errors[0] < 0.008 && errors[1] < worst, "{}: {errors:?}", light.name);
+    }
+}
+
 #[test]
 fn the_penumbra_of_a_coarse_sphere_that_is_smooth_is_the_spheres() {
-    let ball = Sphere { name: "ball".into(), center: MIDDLE.as_dvec3(), radius: 1.0, base_color: Vec3::ONE };
-    let truth = |stage: &Stage| Oracle::new(stage.floor()).with_spheres(std::slice::from_ref(&ball));
+    let truth = |stage: &Stage| Oracle::new(stage.floor()).with_spheres(&balls()[..1]);
     for subdivisions in [1, 2] {
         let body = shapes::icosphere(MIDDLE, 1.0, subdivisions);
         print!("{}", assert_rounder(&format!("sphere of {}", body.triangles.len()), &body, truth));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use umbrae_core::{
-    Camera, Caster, Extent, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, SmoothBody, Surface,
+    Camera, Caster, Extent, Light, LightPosition, Material, Mesh, Object, Oracle, Scene, SmoothBody, Sphere, Surface,
     corner_normals, shapes,
 };
 use umbrae_render::{AdapterChoice, Gpu, GpuError, GpuScene, Renderer, ShadowOptions, Shot, Smooth};
@@ -60,15 +60,27 @@ impl Stage {
     /// As [`Stage::seen`], past such silhouettes.
     pub(crate) fn seen_past(&self, camera: &Camera, light: &Light, smooth: Smooth) -> Vec<f32> {
         let shadows = ShadowOptions { smooth, ..ShadowOptions::default() };
-        let shot = Shot { shadows, ..Shot::new(&self.scene, &self.casters, camera, &[]) };
-        pollster::block_on(self.renderer.visibility(&shot, light)).unwrap().seen
+        self.seen_in(&Shot { shadows, ..self.shot(camera) }, light)
+    }
+
+    /// As [`Stage::seen`], past `spheres` too.
+    pub(crate) fn seen_past_spheres(&self, camera: &Camera, light: &Light, spheres: &[Sphere]) -> Vec<f32> {
+        self.seen_in(&Shot { spheres, ..self.shot(camera) }, light)
+    }
+
+    fn shot<'a>(&'a self, camera: &'a Camera) -> Shot<'a> {
+        Shot::new(&self.scene, &self.casters, camera, &[])
+    }
+
+    fn seen_in(&self, shot: &Shot<'_>, light: &Light) -> Vec<f32> {
+        pollster::block_on(self.renderer.visibility(shot, light)).unwrap().seen
     }
 
     /// The red of the picture under `light`.
     pub(crate) fn picture(&self, camera: &Camera, light: &Light) -> Result<Vec<u8>, GpuError> {
         let lights = std::slice::from_ref(light);
         let shadows = ShadowOptions { soft: true, ..ShadowOptions::default() };
-        let shot = Shot { shadows, ..Shot::new(&self.scene, &self.casters, camera, lights) };
+        let shot = Shot { shadows, lights, ..self.shot(camera) };
         let picture = pollster::block_on(self.renderer.picture(&shot))?;
         Ok(picture.rgba.chunks_exact(4).map(|pixel| pixel[0]).collect())
     }

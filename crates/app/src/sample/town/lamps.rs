@@ -143,26 +143,10 @@ fn hood(iron: Paint) -> Parts {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use umbrae_core::{Caster, Windings};
+    use umbrae_core::{Caster, Windings, distance_to_triangle};
 
     use super::*;
     use crate::sample::Sample;
-
-    /// The distance from `p` to the triangle with these corners.
-    fn distance_to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let is_above =
-            [[a, b], [b, c], [c, a]].iter().all(|&[from, to]| (to - from).cross(p - from).dot(normal) >= 0.0);
-        if is_above {
-            return (p - a).dot(normal).abs();
-        }
-        let to_side = |[from, to]: [DVec3; 2]| {
-            let along = to - from;
-            let share = ((p - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-            p.distance(from + along * share)
-        };
-        [[a, b], [b, c], [c, a]].map(to_side).into_iter().fold(f64::INFINITY, f64::min)
-    }
 
     /// From `p` to the surface of `caster`; infinite where it is further than 3 m.
     fn distance_to_caster(p: DVec3, caster: &Caster) -> f64 {
