@@ -11,6 +11,8 @@ use crate::cli::StudyArgs;
 
 /// A place further than this from where the models are is a slip of the keyboard.
 const SUSPICIOUS_DISTANCE_KM: f64 = 50.0;
+/// What is nearer than this to the zero of a coordinate reference system is hardly ever in it, but about a zero of its own.
+const SUSPICIOUS_ORIGIN_M: f64 = 1000.0;
 /// Kilometres in a degree of latitude.
 const DEGREE_KM: f64 = 111.2;
 
@@ -35,6 +37,7 @@ pub(super) fn moments(
             let lon_lat = frame.to_lon_lat(middle).context(
                 "where on Earth the models are is not known, as they have no coordinate reference system; give --lat and --lon, or --crs",
             )?;
+            warnings.extend(at_origin(lon_lat, frame, middle));
             (Place::from_degrees(lon_lat[1], lon_lat[0])?, "the models' coordinate reference system")
         }
     };
@@ -72,6 +75,16 @@ fn far_away(place: &Place, frame: &Frame, middle: DVec3) -> Option<String> {
     (distance_km > SUSPICIOUS_DISTANCE_KM).then(|| {
         format!(
             "--lat and --lon are {distance_km:.0} km from where the models' coordinate reference system has them, at {lat_deg:.4},{lon_deg:.4}"
+        )
+    })
+}
+
+/// A warning, if the models are where their system, in which they are at this longitude and latitude, begins.
+fn at_origin([lon_deg, lat_deg]: [f64; 2], frame: &Frame, middle: DVec3) -> Option<String> {
+    let epsg = frame.crs.as_ref()?.epsg();
+    (frame.to_model(middle).truncate().length() < SUSPICIOUS_ORIGIN_M).then(|| {
+        format!(
+            "the models are at the zero of EPSG:{epsg}, and so at {lat_deg:.4},{lon_deg:.4}; if their coordinates are only their own, give --lat and --lon"
         )
     })
 }

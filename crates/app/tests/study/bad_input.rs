@@ -59,6 +59,19 @@ fn a_model_as_high_as_a_mountain_is_warned_of() {
 }
 
 #[test]
+fn a_model_at_the_zero_of_its_reference_system_is_warned_of() {
+    let place = Place::new();
+    place.file("box.obj", box_at([0.0; 3]));
+    let args = "study box.obj -o out/s --crs EPSG:25833 --date 2026-09-18 --step 4h --spacing 5 --no-perspective";
+    let args: Vec<&str> = args.split(' ').collect();
+    let told = "the models are at the zero of EPSG:25833, and so at 0.0000,10.5113";
+    place.umbrae(&args).success().stderr(contains(told)).stderr(contains("give --lat and --lon"));
+    // There the place is known, and that it is elsewhere is told.
+    let args = [&args[..], &["--lat", "52.5", "--lon", "13.4"]].concat();
+    place.umbrae(&args).success().stderr(contains("km from where the models' coordinate reference system has them"));
+}
+
+#[test]
 fn a_polar_night_has_no_sun_and_says_so() {
     let place = Place::new();
     place.file("box.obj", box_at([0.0; 3]));
