@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::body::SmoothBody;
+use super::facing::WrongPieces;
 
 /// A corner of what is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,8 +30,7 @@ pub(super) struct Added {
     /// Straight ones, from a crossing to another.
     pub(super) fins: Vec<[u32; 2]>,
     pub(super) folds: Vec<[Corner; 3]>,
-    /// Pieces that are on the wrong side, walked so that they face the light.
-    pub(super) wrong: Vec<[Corner; 3]>,
+    pub(super) wrong: WrongPieces,
     /// Triangles of the light cap that may show the light their backs.
     pub(super) may_be_away: Vec<u32>,
     /// The part of the silhouette at hand.

@@ -76,13 +76,16 @@ impl Cutter<'_> {
 
     /// The pieces between the straight lines from corner to corner of the triangles at a crease, and the curve along it, which `runs` walk backward: on either
     /// side of the silhouette a cone from the lower end.
+    ///
+    /// All that are on the wrong side go over as those of hollow places do: on which side of them the body is, they do not tell.
     fn check_crease(&self, crease: &Crease, [low, high]: [Corner; 2], runs: &[Walk<Corner>], added: &mut Added) {
+        let is_seen = self.is_seen(self.place(added, low).distance(self.place(added, high)), self.place(added, low));
         let mut check = |[from, to]: [Corner; 2], times: i32, part: Part| {
             if from != low && to != low {
                 let [from, to] = if times > 0 { [from, to] } else { [to, from] };
                 // A crease with more than two sides may walk it several times, and has as many pieces there.
                 for _ in 0..times.unsigned_abs() {
-                    self.check([low, to, from], part, added);
+                    self.check([low, to, from], part, is_seen, added);
                 }
             }
         };

@@ -12,7 +12,9 @@
 //! lit piece that is turned away is taken out of the light cap, a dark one that faces the light is added to it, and the silhouette goes round
 //! it. Each of them raises counts and lowers none; with all of them no leak can be left, whatever the normals are. O. Mattausch et al. 2012 do not speak of it.
 //!
-//! Most need not go over: behind them, the silhouette counts 1 or more as it is, for a fold has lit pieces over it and under it.
+//! Most need not go over: far behind them, the silhouette counts 1 or more as it is, for a fold has lit pieces over it and under it. Where the surface is
+//! hollow along the light they do all the same: rays that leave the body there soon meet it again, and what they meet would be lit through all of the body,
+//! whatever is counted far behind. Only what is smaller than a shadow may be off is spared that.
 //!
 //! The surface is free to be where it suits, but on the silhouette. Its vertices are those of the mesh, moved into the body where that is a saddle
 //! ([`SmoothBody::inner_places`]): there a straight line between two of its points runs outside of it, and a piece with such a border would be seen
@@ -28,6 +30,7 @@ use super::added::{Added, Corner, Walk, place, undirected};
 use super::body::SmoothBody;
 use super::cut::Cutter;
 use super::maker::Maker;
+use super::volume::Smoothness;
 use super::winding::Windings;
 use super::{AT_ONCE, TRIANGLES_AT_ONCE};
 
@@ -41,11 +44,19 @@ pub(super) enum Part {
     Dark,
 }
 
+/// Pieces that are on the wrong side, walked so that they face the light.
+#[derive(Debug, Default, Clone)]
+pub(super) struct WrongPieces {
+    /// These go over.
+    pub(super) hollow: Vec<[Corner; 3]>,
+    /// And these if there is light far behind them.
+    pub(super) others: Vec<[Corner; 3]>,
+}
+
 /// What is needed while pieces go over.
 #[derive(Debug, Default, Clone)]
 pub(super) struct FacingScratch {
-    /// Pieces that are on the wrong side, walked so that they face the light.
-    pub(super) wrong: Vec<[Corner; 3]>,
+    pub(super) wrong: WrongPieces,
     /// The points that stand for vertices of the caster, moved inward.
     pub(super) point_of_inner: FxHashMap<u32, u32>,
     /// What the silhouette gains: parts of it meet, and meet what it was before, and cancel.
@@ -84,18 +95,19 @@ impl SmoothBody {
 impl Cutter<'_> {
     /// The pieces of a triangle that the curve at hand cuts, from the edge between the first corner, which is lit, and the second, which is not.
     pub(super) fn check_pieces(&self, corners: [u32; 3], has_two_turned: bool, added: &mut Added) {
+        let is_hollow = self.is_hollow(corners);
         let [first, second, third] = corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize]));
         let mut to = added.curve[0];
         for i in 1..added.curve.len() {
             let from = to;
             to = added.curve[i];
-            self.check([first, from, to], Part::Lit, added);
-            self.check([from, second, to], Part::Dark, added);
+            self.check([first, from, to], Part::Lit, is_hollow, added);
+            self.check([from, second, to], Part::Dark, is_hollow, added);
         }
         if has_two_turned {
-            self.check([first, to, third], Part::Lit, added);
+            self.check([first, to, third], Part::Lit, is_hollow, added);
         } else {
-            self.check([to, second, third], Part::Dark, added);
+            self.check([to, second, third], Part::Dark, is_hollow, added);
         }
     }
 
@@ -117,7 +129,8 @@ impl Cutter<'_> {
                     continue;
                 }
                 if self.is_facing_checked() {
-                    self.check(corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize])), part, &mut added);
+                    let piece = corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize]));
+                    self.check(piece, part, self.is_hollow(*corners), &mut added);
                 }
                 if part == Part::Lit && towards(corners.map(|w| self.body.place(w)), self.light) < 0.0 {
                     added.may_be_away.push(t as u32);
@@ -129,13 +142,38 @@ impl Cutter<'_> {
     }
 
     /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
-    pub(super) fn check(&self, piece: [Corner; 3], part: Part, added: &mut Added) {
+    pub(super) fn check(&self, piece: [Corner; 3], part: Part, is_hollow: bool, added: &mut Added) {
         let towards = towards(piece.map(|corner| self.place(added, corner)), self.light);
         let [a, b, c] = piece;
+        let wrong = if is_hollow { &mut added.wrong.hollow } else { &mut added.wrong.others };
         match part {
-            Part::Lit if towards < 0.0 => added.wrong.push([a, c, b]),
-            Part::Dark if towards > 0.0 => added.wrong.push(piece),
+            Part::Lit if towards < 0.0 => wrong.push([a, c, b]),
+            Part::Dark if towards > 0.0 => wrong.push(piece),
             _ => {}
+        }
+    }
+
+    /// Whether the surface at a triangle is hollow along the light: the farther one goes with its rays, the more its normals turn towards it. Not if the triangle is smaller than a
+    /// shadow may be off.
+    fn is_hollow(&self, corners: [u32; 3]) -> bool {
+        let [a, b, c] = corners.map(|w| self.body.place(w));
+        if !self.is_seen(a.distance(b).max(b.distance(c)).max(c.distance(a)), a) {
+            return false;
+        }
+        let [at_a, at_b, at_c] = corners.map(|w| self.body.height(w, self.light));
+        let (ab, ac, ahead) = (b - a, c - a, -self.light.offset_from(a));
+        // The rays' direction in the triangle's plane, as parts of two of its sides; times a number above 0.
+        let (along_ab, along_ac) = (ab.dot(ahead), ac.dot(ahead));
+        let of_ab = ac.length_squared() * along_ab - ab.dot(ac) * along_ac;
+        let of_ac = ab.length_squared() * along_ac - ab.dot(ac) * along_ab;
+        of_ab * (at_b - at_a) + of_ac * (at_c - at_a) >= 0.0
+    }
+
+    /// Whether what is `length_m` long, and at `place`, is larger than a shadow may be off.
+    pub(super) fn is_seen(&self, length_m: f64, place: DVec3) -> bool {
+        match self.smoothness {
+            Smoothness::Accurate => true,
+            Smoothness::Smooth(precision) => length_m > precision.chord_m(place, self.light),
         }
     }
 }
@@ -144,8 +182,8 @@ impl Maker<'_> {
     /// Takes the lit pieces that were noted out of the light cap and the dark ones into it, but for those that are shaded anyway, and leads the silhouette
     /// round them.
     pub(super) fn move_over(&mut self) {
-        let mut wrong = std::mem::take(&mut self.scratch.facing.wrong);
-        if wrong.is_empty() {
+        let WrongPieces { mut hollow, mut others } = std::mem::take(&mut self.scratch.facing.wrong);
+        if hollow.is_empty() && others.is_empty() {
             return;
         }
         let mut windings = std::mem::take(&mut self.scratch.facing.windings);
@@ -153,8 +191,8 @@ impl Maker<'_> {
         let (body, points) = (self.body, self.volume.points.as_slice());
         let is_needed =
             |piece: &&[Corner; 3]| !windings.goes_round_all(piece.map(|corner| place(corner, body, points, &[])));
-        let needed: Vec<[Corner; 3]> = wrong.par_iter().with_min_len(AT_ONCE).filter(is_needed).copied().collect();
-        for piece in &needed {
+        let needed: Vec<[Corner; 3]> = others.par_iter().with_min_len(AT_ONCE).filter(is_needed).copied().collect();
+        for piece in hollow.iter().chain(&needed) {
             let [a, b, c] = piece.map(|corner| self.point_of(corner, 0));
             self.volume.faces.push([a, b, c]);
             for side in [[a, b], [b, c], [c, a]] {
@@ -163,9 +201,10 @@ impl Maker<'_> {
             }
         }
         self.add_gained();
-        wrong.clear();
+        hollow.clear();
+        others.clear();
         let facing = &mut self.scratch.facing;
-        (facing.wrong, facing.windings) = (wrong, windings);
+        (facing.wrong, facing.windings) = (WrongPieces { hollow, others }, windings);
         facing.point_of_inner.clear();
     }
 

@@ -124,7 +124,9 @@ impl Maker<'_> {
         }
         let renamed = |corner| if let Corner::Own(p) = corner { Corner::Point(first + p) } else { corner };
         self.scratch.fins.extend(&added.fins);
-        self.scratch.facing.wrong.extend(added.wrong.iter().map(|piece| piece.map(renamed)));
+        let wrong = &mut self.scratch.facing.wrong;
+        wrong.hollow.extend(added.wrong.hollow.iter().map(|piece| piece.map(renamed)));
+        wrong.others.extend(added.wrong.others.iter().map(|piece| piece.map(renamed)));
         self.volume.may_be_away.extend(&added.may_be_away);
     }
 

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::*;
-use crate::{Caster, LightPosition, Mesh, Object, Surface, Topology, shapes};
+use crate::{Caster, LightPosition, Mesh, Object, RayCaster, Surface, Topology, shapes};
 
 pub(super) fn caster_of(surface: Surface) -> Caster {
     let mesh = Arc::new(Mesh::new(surface).expect("a good mesh"));
@@ -258,4 +258,46 @@ fn light_falls_through_a_ring() {
         };
         assert_eq!([count(0.0), count(1.5)], [Some(0), Some(1)], "{smoothness:?}");
     }
+}
+
+/// How far the first three metres of the way from `point` to `light` go into the ring of radii 1 and 0.35 about the origin.
+fn depth_in_ring(point: DVec3, light: LightPosition) -> f64 {
+    let towards = light.offset_from(point).normalize_or_zero();
+    let depth = |p: DVec3| 0.35 - DVec2::new(p.truncate().length() - 1.0, p.z).length();
+    (0..300).map(|i| depth(point + towards * (0.01 * f64::from(i)))).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Where the surface is hollow, light that has gone through all of a body meets the body again right behind it.
+#[test]
+fn no_light_falls_through_a_coarse_ring_onto_itself() {
+    let ring = caster_of(shapes::torus(Vec3::ZERO, 1.0, 0.35, 20, 12));
+    let body = body_of(&ring);
+    let normals = corner_normals(&ring, &[], CREASE_RAD);
+    let (mut dark, mut leaks) = (0, Vec::new());
+    for light in lights() {
+        let volume = SmoothVolume::new(&body, light, &smooth(0.01));
+        let (positions, flat) = volume.flattened(&body, &ring);
+        let cap = RayCaster::new([(positions.as_slice(), flat.light_cap.as_slice())]);
+        for (t, normals) in normals.iter().enumerate() {
+            let [a, b, c] = ring.corners(t).map(Vec3::as_dvec3);
+            for weights in [[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [1, 3, 3], [3, 1, 3], [3, 3, 1]] {
+                let [u, v, w] = weights.map(|part| f64::from(part) / f64::from(weights.iter().sum::<i32>()));
+                let point = a * u + b * v + c * w;
+                let [na, nb, nc] = normals.map(Vec3::as_dvec3);
+                let towards = light.offset_from(point).normalize_or_zero();
+                if (na * u + nb * v + nc * w).dot(towards) < 0.02 || depth_in_ring(point, light) < 0.05 {
+                    continue;
+                }
+                dark += 1;
+                let mut count = 0;
+                cap.for_each_hit(point, towards, 1e-6, f64::INFINITY, |hit| {
+                    count += if cap.normal(&hit).dot(towards) > 0.0 { 1 } else { -1 };
+                });
+                if count < 1 {
+                    leaks.push((light, point, count));
+                }
+            }
+        }
+    }
+    assert!(dark > 5000 && leaks.is_empty(), "{} of {dark}: {:?}", leaks.len(), leaks.first());
 }
