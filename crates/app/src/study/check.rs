@@ -2,9 +2,9 @@
 
 use std::fs::File;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use umbrae_study::Receivers;
+use umbrae_study::{Blockers, Receivers};
 
 use super::fractions::from_byte;
 use super::results::{Check, DiscCheck, State};
@@ -104,10 +104,13 @@ pub(super) fn check_disc(
             let first = share - by_rays(FIRST_SIDE);
             let is_noticed = first.abs() > NOTICED;
             let difference = if is_noticed { share - by_rays(DECISIVE_SIDE) } else { first };
+            let differs = is_noticed && difference.abs() > DECISIVE;
+            let is_edge = differs && jumps_beside(&situation.blockers, (position, normal), to_sun, share - difference);
             DiscCheck {
                 shares: 1,
                 partial: u64::from(share > 0.0 && share < 1.0),
-                disagreements: u64::from(is_noticed && difference.abs() > DECISIVE),
+                disagreements: u64::from(differs && !is_edge),
+                undecided: u64::from(is_edge),
                 sum_of_differences: difference,
                 largest_difference: difference.abs(),
             }
@@ -119,6 +122,14 @@ pub(super) fn check_disc(
     Ok(checks.into_iter().fold(DiscCheck::default(), DiscCheck::plus))
 }
 
+/// Whether the share of the sun's disc that rays find, `by_rays` at a receiver, is another one a margin beside it: as where the receiver is in the plane of a face.
+fn jumps_beside(blockers: &Blockers, (position, normal): (DVec3, Vec3), to_sun: DVec3, by_rays: f64) -> bool {
+    let margin = blockers.margin_m();
+    DVec3::AXES.iter().flat_map(|&axis| [position + margin * axis, position - margin * axis]).any(|beside| {
+        (blockers.visible_share_by_rays(beside, normal, to_sun, DECISIVE_SIDE) - by_rays).abs() > DECISIVE
+    })
+}
+
 impl DiscCheck {
     /// Both together.
     pub(super) fn plus(self, other: Self) -> Self {
@@ -126,6 +137,7 @@ impl DiscCheck {
             shares: self.shares + other.shares,
             partial: self.partial + other.partial,
             disagreements: self.disagreements + other.disagreements,
+            undecided: self.undecided + other.undecided,
             sum_of_differences: self.sum_of_differences + other.sum_of_differences,
             largest_difference: self.largest_difference.max(other.largest_difference),
         }

@@ -220,10 +220,11 @@ fn check_sample(results: &mut Results, sample: usize, situations: &[Situation], 
     ));
     if let Some(disc) = total.disc {
         talk.note(&format!(
-            "check: {} of {} shares of the sun's disc differ from what rays to it find, {} of which see part",
+            "check: {} of {} shares of the sun's disc, of which {} see part, differ from what rays to it find ({} more at edges of shadows)",
             grouped(disc.disagreements),
             grouped(disc.shares),
-            grouped(disc.partial)
+            grouped(disc.partial),
+            grouped(disc.undecided)
         ));
     }
     Ok(())

@@ -119,6 +119,8 @@ pub(crate) struct DiscCheck {
     pub(crate) partial: u64,
     /// How many differ by more than chance explains.
     pub(crate) disagreements: u64,
+    /// How many differ where the estimate is another one beside the receiver.
+    pub(crate) undecided: u64,
     /// The sum of all shares, less that of the estimates.
     pub(crate) sum_of_differences: f64,
     /// The largest difference, with the estimate by the most rays.

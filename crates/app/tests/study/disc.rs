@@ -51,6 +51,20 @@ fn hours_are_the_sum_of_the_fractions_and_bits_are_those_of_the_middle() {
     assert!(differ > 50, "{differ}");
 }
 
+/// Whether a face hides what stands in its plane is a matter of rounding, and no error.
+#[test]
+fn a_receiver_in_the_plane_of_a_face_is_undecided() {
+    let place = Place::new();
+    let model = place.file("slab.obj", SLAB);
+    // A centimetre above, which is where receivers are, is the top.
+    let points = place.file("points.csv", "x,y,z,nx,ny,nz\n3,0.25,19.99,0,0,1\n4,0.25,20.5,0,0,1\n");
+    let study = Studied::new(&place, "s", &format!("{model} {WHEN} --sun-disc --points {points}"));
+    let disc = &study.json("run.json")["check"]["disc"];
+    assert_eq!(disc["disagreements"], 0, "{disc}");
+    let [undecided, shares] = ["undecided", "shares"].map(|name| disc[name].as_u64().expect("a number"));
+    assert!(undecided > 0 && undecided <= shares / 2, "{disc}");
+}
+
 #[test]
 fn every_file_says_that_the_sun_is_a_disc_and_the_check_finds_it_right() {
     let place = Place::new();

@@ -431,10 +431,11 @@ fn method(results: &Results) -> String {
         let _ = writeln!(
             html,
             "<p><b>Check of the disc.</b> {} shares, {} of them neither nothing nor all, were estimated by 256 rays each to places all over the disc, and those that seemed to differ by 4,096: \
-             <b>{}</b> differ by more than chance explains, and all together by {:+.4} of the disc on average.</p>",
+             <b>{}</b> differ by more than chance explains, {} more of receivers in the plane of a face or at its edge, and all together by {:+.4} of the disc on average.</p>",
             grouped(disc.shares),
             grouped(disc.partial),
             grouped(disc.disagreements),
+            grouped(disc.undecided),
             disc.mean_difference(),
         );
     }
