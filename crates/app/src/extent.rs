@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
 use glam::DVec3;
 use umbrae_core::{Bounds, Cone, Extent, Light, SUN_DIAMETER_RAD};
 
@@ -27,7 +27,7 @@ const FULL_STRENGTH_RAD: f64 = 60.0 / 180.0 * std::f64::consts::PI;
 ///
 /// # Errors
 ///
-/// When a lamp would be so large that it holds the model's middle.
+/// When a lamp would be so large that all of the model could be in it, or a rectangle has nothing to face.
 pub fn with_extents(
     lights: Vec<Light>,
     lamps: &[LampChoice],
@@ -47,12 +47,13 @@ pub fn with_extents(
 }
 
 fn lamp_with_extent(light: Light, choice: ExtentChoice, model: &Bounds) -> anyhow::Result<Light> {
-    let to_middle = model.center() - light.position.homogeneous().truncate();
-    let distance_m = to_middle.length();
+    let position = light.position.homogeneous().truncate();
+    let to_middle = model.center() - position;
+    let farthest_m = (model.min - position).abs().max((model.max - position).abs()).length();
     let fits = |what: &str, radius_m: f64| {
         ensure!(
-            radius_m < distance_m,
-            "a {what} is too large for `{}`: the model's middle, {distance_m:.3} m away, would be in it; give less",
+            radius_m < farthest_m,
+            "a {what} is too large for `{}`: all of the model, {farthest_m:.3} m away at the farthest, would be in it; give less",
             light.name
         );
         Ok(())
@@ -64,7 +65,12 @@ fn lamp_with_extent(light: Light, choice: ExtentChoice, model: &Bounds) -> anyho
         }
         ExtentChoice::Size([width, height]) => {
             fits(&format!("rectangle of {width} by {height} m"), 0.5 * width.hypot(height))?;
-            let facing = light.cone.map_or(to_middle, |cone| cone.axis).normalize_or_zero();
+            let facing = light.cone.map_or(to_middle, |cone| cone.axis).try_normalize().with_context(|| {
+                format!(
+                    "a rectangle at `{}`, in the model's middle, faces nothing; a spot says where it faces (--spot)",
+                    light.name
+                )
+            })?;
             let level = DVec3::Z.cross(facing).try_normalize().unwrap_or(DVec3::X);
             let (half_right, half_up) = (level * (0.5 * width), facing.cross(level) * (0.5 * height));
             let around = Cone { axis: facing, inner_rad: FULL_STRENGTH_RAD, outer_rad: FRAC_PI_2 };
@@ -113,10 +119,22 @@ mod tests {
     }
 
     #[test]
-    fn a_lamp_that_holds_the_model_s_middle_is_refused_and_the_sun_is_no_lamp() {
-        let error = of(lamp(), ExtentChoice::Radius(5.0)).expect_err("the middle is 5 m away").to_string();
-        assert!(error.contains("point 1") && error.contains("5.000 m"), "{error}");
-        assert!(of(lamp(), ExtentChoice::Size([8.0, 6.0])).is_err());
+    fn in_the_model_s_middle_a_ball_is_welcome_and_a_rectangle_must_face_somewhere() {
+        let lamp = Light { position: LightPosition::point(DVec3::ZERO), ..lamp() };
+        assert!(of(lamp.clone(), ExtentChoice::Radius(0.1)).is_ok());
+        let error = of(lamp.clone(), ExtentChoice::Size([0.2, 0.1])).expect_err("it has no direction").to_string();
+        assert!(error.contains("faces nothing"), "{error}");
+        let cone = Some(Cone { axis: DVec3::NEG_Z, inner_rad: 0.1, outer_rad: 0.2 });
+        assert!(of(Light { cone, ..lamp }, ExtentChoice::Size([0.2, 0.1])).is_ok());
+    }
+
+    #[test]
+    fn a_lamp_that_could_hold_all_of_the_model_is_refused_and_the_sun_is_no_lamp() {
+        let error =
+            of(lamp(), ExtentChoice::Radius(6.5)).expect_err("it is larger than the way to every corner").to_string();
+        assert!(error.contains("point 1") && error.contains("6.481 m"), "{error}");
+        assert!(of(lamp(), ExtentChoice::Radius(6.4)).is_ok());
+        assert!(of(lamp(), ExtentChoice::Size([12.0, 8.0])).is_err());
         let sun = Light::new("sun", LightPosition::sun(1.0, 1.0), Vec3::ONE);
         assert_eq!(of(sun.clone(), ExtentChoice::Radius(5.0)).expect("it has no radius").extent, Extent::Point);
         let disc = with_extents(vec![sun], &[], None, true, &MODEL).expect("it has one").remove(0).extent;

@@ -309,12 +309,15 @@ fn a_size_that_can_not_be_is_refused_and_one_that_changes_nothing_is_told() {
         (&["--point", "2,-2,5", "--light-radius", "1000"], "too large for `point 1`"),
         (&["--point", "2,-2,5", "--light-size", "1"], "`1` is not a size"),
         (&["--point", "2,-2,5", "--light-size", "1x1000"], "too large for `point 1`"),
+        (&["--point", "0,0,1", "--light-size", "0.1x0.1"], "faces nothing; a spot says where it faces"),
         (&["--sun", "90,45", "--light-radius", "1"], "--sun-disc gives the sun its size"),
         (&["--point", "2,-2,5", "--light-radius", "1", "--area-samples", "4"], "cannot be used with"),
     ] {
         run(options).code(2).stderr(contains(said));
         assert!(!std::path::Path::new(&picture).exists(), "{options:?} wrote a picture");
     }
+    // A lamp in the middle of a room is where lamps are.
+    run(&["--point", "0,0,1", "--light-radius", "0.1"]).success();
     run(&["--soft"]).success().stderr(contains("--soft changes nothing"));
     run(&["--light-radius", "1"]).success().stderr(contains("change nothing: no light is a lamp"));
     run(&["--point", "2,-2,5", "--sun-disc"]).success().stderr(contains("--sun-disc changes nothing"));
