@@ -25,7 +25,7 @@ use crate::passes::{
 use crate::shadow::{ShadowLight, ShadowView, Shadows, Tally, TallyKind, set_scissor};
 use crate::soft::{SoftLight, SoftLightPass, SoftPass};
 use crate::timing::PassTimer;
-use crate::{FoundShadows, Gpu, GpuScene, Targets};
+use crate::{FoundShadows, Gpu, GpuScene, LIT, Targets};
 
 /// The passes over surfaces and volumes, for one kind of target.
 #[derive(Debug)]
@@ -262,8 +262,9 @@ fn record_soft_light(
 ) {
     let (Some(soft), Some(visibility)) = (passes.soft_light.get(), frame.targets.soft()) else { return };
     let color = color_attachment(frame.targets, wgpu::LoadOp::Load, is_last);
-    let keep = (wgpu::LoadOp::Load, wgpu::LoadOp::Load);
-    let mut pass = begin(encoder, frame, &format!("light: {name}"), Some(color), keep, timer);
+    // How much of it is seen, the visibility says.
+    let seen = (wgpu::LoadOp::Load, wgpu::LoadOp::Clear(LIT));
+    let mut pass = begin(encoder, frame, &format!("light: {name}"), Some(color), seen, timer);
     light.rect().into_iter().for_each(|rect| set_scissor(&mut pass, rect));
     soft.draw(&mut pass, (frame.scene, frame.spheres), light.group(), visibility);
 }

@@ -92,10 +92,10 @@ pub(super) struct Side {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotSmooth {
     /// A component is open, or its triangles are not wound consistently: it has no outside.
-    #[error("its surface is not closed")]
+    #[error("its surface is not closed, or its faces are not wound alike")]
     Open,
     /// What its triangles enclose is outside of it: it is turned inside out, or mirrored.
-    #[error("its surface is turned inside out")]
+    #[error("its surface is turned inside out, or mirrored")]
     InsideOut,
     /// Every normal is its triangle's.
     #[error("its faces are flat")]

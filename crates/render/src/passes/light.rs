@@ -9,7 +9,7 @@ use crate::{Gpu, GpuScene, LIT, shaders};
 /// volumes are counted, on every one that it reaches at all.
 ///
 /// - reads: depth and stencil
-/// - writes: colour, by addition; the stencil, when marking
+/// - writes: colour, by addition; the stencil
 /// - needs: the depth of exactly these surfaces, drawn by the same vertex shader
 #[derive(Debug)]
 pub(crate) struct LightPass {
@@ -72,7 +72,7 @@ impl LightPass {
     }
 }
 
-/// Adds a light with a size, as much of it as group 3 says, to every visible surface whose seen side it reaches.
+/// Adds a light with a size, as much of it as group 3 says, to every visible surface whose stencil is [`LIT`] and whose seen side it reaches.
 #[derive(Debug)]
 pub(crate) struct SoftSurfaces(SurfacePipelines);
 
@@ -84,13 +84,14 @@ impl SoftSurfaces {
             layout,
             entry_point: "fs_soft_light",
             blend: Some(ADD),
-            depth_stencil: on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Keep, 0),
+            depth_stencil: where_unshaded(gpu),
         };
         let module = shaders::soft_light(&gpu.device, samples);
         Self(SurfacePipelines::with_module(gpu, &module, Some(Output::Picture), samples, &state))
     }
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, light: &wgpu::BindGroup) {
+        pass.set_stencil_reference(LIT);
         pass.set_bind_group(1, light, &[]);
         self.0.draw(pass, scene);
     }
@@ -106,9 +107,9 @@ pub(super) const ADD: wgpu::BlendState = {
     wgpu::BlendState { color: add, alpha: add }
 };
 
-/// On what is seen and has the reference in the stencil.
+/// On what is seen and has the reference in the stencil: once, so that of faces in one place only one is lit.
 pub(super) fn where_unshaded(gpu: &Gpu) -> wgpu::DepthStencilState {
-    on_what_is_seen(gpu, wgpu::CompareFunction::Equal, wgpu::StencilOperation::Keep, 0)
+    on_what_is_seen(gpu, wgpu::CompareFunction::Equal, wgpu::StencilOperation::Zero, 0xFF)
 }
 
 /// On what is seen; the stencil gets the reference.
@@ -116,7 +117,7 @@ pub(super) fn setting_the_mark(gpu: &Gpu) -> wgpu::DepthStencilState {
     on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Replace, 0xFF)
 }
 
-pub(super) fn on_what_is_seen(
+fn on_what_is_seen(
     gpu: &Gpu,
     compare: wgpu::CompareFunction,
     pass_op: wgpu::StencilOperation,

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, DVec4};
 use umbrae_core::{Camera, Sphere};
 use wgpu::util::DeviceExt as _;
 
-use super::light::{ADD, on_what_is_seen, setting_the_mark, where_unshaded};
+use super::light::{ADD, setting_the_mark, where_unshaded};
 use super::surface::nearest;
 use super::{BOTH_SIDES, Layouts, uniform_group};
 use crate::targets::Output;
@@ -77,8 +77,8 @@ impl SpherePass {
     pub(crate) fn soft(gpu: &Gpu, layout: &wgpu::PipelineLayout, samples: u32) -> wgpu::RenderPipeline {
         let module = shaders::soft_sphere(&gpu.device, samples);
         let made_of = MadeOf { module: &module, layout, fragment: "fs_soft_sphere", samples };
-        let seen = on_what_is_seen(gpu, wgpu::CompareFunction::Always, wgpu::StencilOperation::Keep, 0);
-        let nearest = wgpu::DepthStencilState { depth_compare: Some(wgpu::CompareFunction::GreaterEqual), ..seen };
+        let nearest =
+            wgpu::DepthStencilState { depth_compare: Some(wgpu::CompareFunction::GreaterEqual), ..where_unshaded(gpu) };
         made_of.pipeline(gpu, "soft light on spheres", Some((Output::Picture, Some(ADD))), nearest)
     }
 

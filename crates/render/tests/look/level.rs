@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use umbrae_core::{Camera, Caster, Light, LightPosition, Material, Mesh, Object, Role, Scene, Surface, Texture, Wrap};
-use umbrae_render::{AdapterChoice, Gpu, GpuScene, Renderer, Shot};
+use umbrae_render::{AdapterChoice, Gpu, GpuScene, Renderer, ShadowOptions, Shot};
 
 /// Pixels a side. The view holds -5 to 5 m in x and y at height 0, north up.
 pub(crate) const SIDE_PX: usize = 120;
@@ -78,7 +78,8 @@ impl Above {
         let casters = Caster::of_scene(&level.0);
         let uploaded = GpuScene::new(self.renderer.gpu(), &casters, &level.0.materials, &level.0.textures);
         let uploaded = uploaded.expect("a small scene");
-        let shot = Shot::new(&uploaded, &casters, &self.camera, lights);
+        let shadows = ShadowOptions { soft: true, ..ShadowOptions::default() };
+        let shot = Shot { shadows, ..Shot::new(&uploaded, &casters, &self.camera, lights) };
         pollster::block_on(draw(&self.renderer, &shot))
     }
 

@@ -2,7 +2,7 @@
 
 use crate::level::{Above, Level, SIDE_PX, place, texture, zenith};
 use glam::{Vec2, Vec3};
-use umbrae_core::{AlphaMode, Light, Material, Role, Texture, Wrap};
+use umbrae_core::{AlphaMode, Extent, Light, Material, Role, Texture, Wrap};
 
 const RED: [u8; 4] = [255, 0, 0, 255];
 const GREEN: [u8; 4] = [0, 255, 0, 255];
@@ -237,4 +237,23 @@ fn a_role_may_make_glass_of_what_its_material_calls_opaque() {
     level.0.objects[1].role = Role { is_glass: true, casts: false, ..Role::default() };
     let [expected] = plain_colors(&above, [Vec3::Z]);
     assert_near(above.picture(&level, &[zenith()])[0], expected[0], "alpha means nothing to it");
+}
+
+/// Models have many a face twice; of those in one place the first is seen.
+#[test]
+fn faces_in_one_place_get_the_light_once() {
+    for samples in [1, 4] {
+        let above = Above::new(samples);
+        let sun = Light { extent: Extent::Disc { radius_rad: 0.01 }, ..zenith() };
+        let lights = [vec![zenith()], vec![zenith(), zenith()], vec![sun.clone()], vec![sun, zenith()]];
+        for (i, lights) in lights.iter().enumerate() {
+            let mut level = Level::plain(Vec3::new(0.4, 0.2, 0.1));
+            let once = above.picture(&level, lights);
+            let other = level.material(Material::new("other", Vec3::new(0.1, 0.2, 0.4)));
+            for material in [0, other] {
+                level.square(5.0, 0.0, material, WHOLE);
+            }
+            assert_eq!(above.picture(&level, lights), once, "{samples} samples, lights {i}");
+        }
+    }
 }
