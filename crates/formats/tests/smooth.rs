@@ -227,7 +227,7 @@ fn an_armadillo() {
 
 #[test]
 fn a_dragon() {
-    check("dragon_100k", "mesh/dragon_100k.ply", 2, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.0001 });
+    check("dragon_100k", "mesh/dragon_100k.ply", 2, Bands { on_screen: 0.02, on_body: 0.1, most_strays: 0.0005 });
 }
 
 #[test]

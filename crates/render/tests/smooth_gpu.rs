@@ -319,7 +319,7 @@ fn edge_on(casters: &[Caster], camera: &Camera, light: &Light) -> Vec<bool> {
     (0..SIZE_PX[0] * SIZE_PX[1]).map(is_edge_on).collect()
 }
 
-/// How many pixels differ, and of those how many are not next to an edge of `theirs`. Where it is `edge_on`, nothing is that was lit and is not.
+/// How many pixels differ, and of those how many are not next to an edge of `theirs`. Where it is `edge_on`, none is: each goes its own way there, by a pixel or two.
 fn differing(ours: &[u8], theirs: &[u8], edge_on: &[bool]) -> [usize; 2] {
     let [width, height] = SIZE_PX.map(i64::from);
     let at = |x: i64, y: i64| theirs[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize];
@@ -330,7 +330,7 @@ fn differing(ours: &[u8], theirs: &[u8], edge_on: &[bool]) -> [usize; 2] {
             if ours[i] != own {
                 all += 1;
                 let is_at_edge = (-1..=1).any(|j| (-1..=1).any(|i| at(x + i, y + j) != own));
-                inner += usize::from(!(is_at_edge || edge_on[i] && ours[i] == 0));
+                inner += usize::from(!is_at_edge && !edge_on[i]);
             }
         }
     }
