@@ -1,7 +1,7 @@
 //! What is said of lights that do less than one might think.
 
 use glam::Vec3;
-use umbrae_core::{Caster, Extent, Light, Object};
+use umbrae_core::{Bounds, Caster, Extent, Light, Object};
 
 use crate::cli::RenderArgs;
 use crate::extent::ExtentChoice;
@@ -38,16 +38,19 @@ pub(crate) fn warn_of_darkness(lights: &[Light], talk: &Talk) {
 /// Says which of `objects`, whose casters are `casters`, reach into a light with a size.
 pub(crate) fn warn_of_cuts(lights: &[Light], objects: &[Object], casters: &[Caster], talk: &Talk) {
     for light in lights.iter().filter(|light| light.extent != Extent::Point) {
+        let (middle, radius_m) = (light.position.homogeneous().truncate(), light.extent.radius_m());
+        let reach = Bounds { min: middle - radius_m, max: middle + radius_m };
         let is_cut_by = |caster: &Caster| {
             caster.role.casts
+                && caster.bounds.meets(&reach)
                 && (0..caster.mesh.triangles().len()).any(|t| light.is_cut_by(caster.corners(t).map(Vec3::as_dvec3)))
         };
         let cutting = objects.iter().zip(casters).filter(|(_, caster)| is_cut_by(caster));
         let names: Vec<&str> = cutting.map(|(object, _)| object.name.as_str()).collect();
         if !names.is_empty() {
-            let (reach, it) = if names.len() == 1 { ("reaches", "its") } else { ("reach", "their") };
+            let (verb, it) = if names.len() == 1 { ("reaches", "its") } else { ("reach", "their") };
             talk.warning(&format!(
-                "{} {reach} into the light `{}`: {it} soft shadow is not right; leave out what is part of the lamp with --no-cast, or make the light smaller",
+                "{} {verb} into the light `{}`: {it} soft shadow is not right; leave out what is part of the lamp with --no-cast, or make the light smaller",
                 and_more(&names),
                 light.name
             ));

@@ -18,7 +18,7 @@ impl Light {
             Extent::Point | Extent::Disc { .. } => false,
             Extent::Sphere { radius_m } => distance_to_triangle(middle, corners) < radius_m,
             Extent::Rectangle { half_right, half_up } => {
-                let flush_m = FLUSH * half_right.length().hypot(half_up.length());
+                let flush_m = FLUSH * self.extent.radius_m();
                 let normal = half_right.cross(half_up).normalize_or_zero();
                 let heights = corners.map(|corner| (corner - middle).dot(normal));
                 let is_through = heights.iter().any(|&h| h > flush_m) && heights.iter().any(|&h| h < -flush_m);

@@ -36,7 +36,6 @@ pub(super) fn check(
     let stride = suns.len().div_ceil(8);
     let rows = chosen.iter().map(|&receiver| read_row(&state.rows, receiver, stride)).collect::<Result<Vec<_>, _>>()?;
     let blockers = &situation.blockers;
-    let margin = blockers.margin_m();
     let of_receiver = |(&receiver, row): (&usize, &Vec<u8>)| {
         let (position, normal) = (receivers.positions[receiver], receivers.normals[receiver]);
         let mut check = Check { receivers: 1, ..Check::default() };
@@ -46,10 +45,7 @@ pub(super) fn check(
             if sees(position) == bit(row, step) {
                 continue;
             }
-            let is_edge = DVec3::AXES.iter().any(|&axis| {
-                sees(position + margin * axis) != sees(position) || sees(position - margin * axis) != sees(position)
-            });
-            if is_edge {
+            if is_any_beside(blockers, position, |beside| sees(beside) != sees(position)) {
                 check.undecided += 1;
             } else {
                 check.disagreements += 1;
@@ -124,10 +120,15 @@ pub(super) fn check_disc(
 
 /// Whether the share of the sun's disc that rays find, `by_rays` at a receiver, is another one a margin beside it: as where the receiver is in the plane of a face.
 fn jumps_beside(blockers: &Blockers, (position, normal): (DVec3, Vec3), to_sun: DVec3, by_rays: f64) -> bool {
-    let margin = blockers.margin_m();
-    DVec3::AXES.iter().flat_map(|&axis| [position + margin * axis, position - margin * axis]).any(|beside| {
+    is_any_beside(blockers, position, |beside| {
         (blockers.visible_share_by_rays(beside, normal, to_sun, DECISIVE_SIDE) - by_rays).abs() > DECISIVE
     })
+}
+
+/// Whether `is_other` holds at any place that is a [margin](Blockers::margin_m) from `position` along an axis.
+fn is_any_beside(blockers: &Blockers, position: DVec3, is_other: impl Fn(DVec3) -> bool) -> bool {
+    let margin = blockers.margin_m();
+    DVec3::AXES.iter().flat_map(|&axis| [position + margin * axis, position - margin * axis]).any(is_other)
 }
 
 impl DiscCheck {

@@ -77,9 +77,11 @@ impl Cutter<'_> {
     /// The pieces between the straight lines from corner to corner of the triangles at a crease, and the curve along it, which `runs` walk backward: on either
     /// side of the silhouette a cone from the lower end.
     ///
-    /// All that are on the wrong side go over as those of hollow places do: on which side of them the body is, they do not tell.
+    /// Those on the wrong side of a crease that is longer than a shadow may be off go over as those of hollow places do: on which side of them the body is, they do
+    /// not tell.
     fn check_crease(&self, crease: &Crease, [low, high]: [Corner; 2], runs: &[Walk<Corner>], added: &mut Added) {
-        let is_seen = self.is_seen(self.place(added, low).distance(self.place(added, high)), self.place(added, low));
+        let [from, to] = crease.vertices.map(|v| self.body.place_of_vertex(v).as_dvec3());
+        let is_seen = || self.is_seen(from.distance(to), from);
         let mut check = |[from, to]: [Corner; 2], times: i32, part: Part| {
             if from != low && to != low {
                 let [from, to] = if times > 0 { [from, to] } else { [to, from] };

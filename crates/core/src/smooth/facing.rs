@@ -95,7 +95,7 @@ impl SmoothBody {
 impl Cutter<'_> {
     /// The pieces of a triangle that the curve at hand cuts, from the edge between the first corner, which is lit, and the second, which is not.
     pub(super) fn check_pieces(&self, corners: [u32; 3], has_two_turned: bool, added: &mut Added) {
-        let is_hollow = self.is_hollow(corners);
+        let is_hollow = || self.is_hollow(corners);
         let [first, second, third] = corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize]));
         let mut to = added.curve[0];
         for i in 1..added.curve.len() {
@@ -130,7 +130,7 @@ impl Cutter<'_> {
                 }
                 if self.is_facing_checked() {
                     let piece = corners.map(|w| Corner::Inner(self.body.vertex_of_wedge[w as usize]));
-                    self.check(piece, part, self.is_hollow(*corners), &mut added);
+                    self.check(piece, part, || self.is_hollow(*corners), &mut added);
                 }
                 if part == Part::Lit && towards(corners.map(|w| self.body.place(w)), self.light) < 0.0 {
                     added.may_be_away.push(t as u32);
@@ -141,16 +141,18 @@ impl Cutter<'_> {
         self.body.wedges.mesh.triangles().par_chunks(TRIANGLES_AT_ONCE).enumerate().map(look).collect()
     }
 
-    /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark. What is seen edge on shows neither.
-    pub(super) fn check(&self, piece: [Corner; 3], part: Part, is_hollow: bool, added: &mut Added) {
+    /// Notes `piece` if it shows the light its back though it is lit, or its front though it is dark, and then asks whether it `is_hollow` there. What is seen edge on
+    /// shows neither.
+    pub(super) fn check(&self, piece: [Corner; 3], part: Part, is_hollow: impl FnOnce() -> bool, added: &mut Added) {
         let towards = towards(piece.map(|corner| self.place(added, corner)), self.light);
         let [a, b, c] = piece;
-        let wrong = if is_hollow { &mut added.wrong.hollow } else { &mut added.wrong.others };
-        match part {
-            Part::Lit if towards < 0.0 => wrong.push([a, c, b]),
-            Part::Dark if towards > 0.0 => wrong.push(piece),
-            _ => {}
-        }
+        let facing = match part {
+            Part::Lit if towards < 0.0 => [a, c, b],
+            Part::Dark if towards > 0.0 => piece,
+            _ => return,
+        };
+        let wrong = if is_hollow() { &mut added.wrong.hollow } else { &mut added.wrong.others };
+        wrong.push(facing);
     }
 
     /// Whether the surface at a triangle is hollow along the light: the farther one goes with its rays, the more its normals turn towards it. Not if the triangle is smaller than a
@@ -187,7 +189,9 @@ impl Maker<'_> {
             return;
         }
         let mut windings = std::mem::take(&mut self.scratch.facing.windings);
-        windings.wind(self.volume, &self.body.loose_bounds(), self.light);
+        if !others.is_empty() {
+            windings.wind(self.volume, &self.body.loose_bounds(), self.light);
+        }
         let (body, points) = (self.body, self.volume.points.as_slice());
         let is_needed =
             |piece: &&[Corner; 3]| !windings.goes_round_all(piece.map(|corner| place(corner, body, points, &[])));

@@ -31,7 +31,7 @@ pub(super) struct SmoothScratch {
 const NONE: u32 = u32::MAX;
 
 impl SmoothVolume {
-    /// [`SmoothVolume::new`] in the memory that there is.
+    /// What [`SmoothVolume::new`] adds to nothing, with the `scratch` that there is.
     pub(super) fn make(
         &mut self,
         body: &SmoothBody,
@@ -39,7 +39,6 @@ impl SmoothVolume {
         smoothness: &Smoothness,
         scratch: &mut SmoothScratch,
     ) {
-        self.clear();
         scratch.fins.clear();
         body.find(light, &mut self.turned, &mut scratch.found);
         // Neighbours one after another: what is known of them is side by side in memory.

@@ -80,15 +80,6 @@ impl SmoothVolume {
         volume
     }
 
-    pub(super) fn clear(&mut self) {
-        self.points.clear();
-        self.sides.clear();
-        self.faces.clear();
-        self.folds.clear();
-        self.vertices.clear();
-        self.may_be_away.clear();
-    }
-
     /// Whether triangle `t` is in the light cap: any of its corners is turned to the light.
     fn is_in_cap(&self, body: &SmoothBody, t: usize) -> bool {
         body.wedges.mesh.triangles()[t].iter().any(|&w| self.turned[w as usize] > 0)

@@ -31,6 +31,11 @@ fn camera(light: &Light) -> Camera {
     Camera::with_up(eye, on_floor, DVec3::Y, fov_rad, 0.5, [160, 120]).unwrap()
 }
 
+/// How much of `light` each pixel sees, by rays.
+fn shares(oracle: &Oracle, camera: &Camera, light: &Light) -> Vec<f64> {
+    oracle.seen_light(camera, light, 24, || ()).into_iter().map(|seen| seen.unwrap().share).collect()
+}
+
 /// Mean and worst error over the pixels that see the light in part, by rays or as drawn.
 fn errors(seen: &[f32], truth: &[f64]) -> [f64; 2] {
     let in_part = |share: f64| (0.02..0.98).contains(&share);
@@ -51,8 +56,7 @@ fn assert_rounder(name: &str, body: &Surface, truth: impl Fn(&Stage) -> Oracle) 
     for light in lights() {
         let mut stage = Stage::new(vec![body.clone()]);
         let camera = camera(&light);
-        let truth = truth(&stage).seen_light(&camera, &light, 24, || ());
-        let truth: Vec<f64> = truth.into_iter().map(|seen| seen.unwrap().share).collect();
+        let truth = shares(&truth(&stage), &camera, &light);
         let of_triangles = errors(&stage.seen(&camera, &light), &truth);
         stage.round_off();
         let smooth = Smooth::Curved { epsilon_m: 0.002, epsilon_px: None };
@@ -77,8 +81,7 @@ fn penumbrae_of_spheres_are_as_rays_find_them() {
     // Where two cover the same light their shares are multiplied, as if they covered it independently.
     for (light, (spheres, worst)) in lights().into_iter().zip([(&balls()[..1], 0.03), (&balls(), 0.15)]) {
         let camera = camera(&light);
-        let truth = Oracle::new(&stage.casters).with_spheres(spheres).seen_light(&camera, &light, 24, || ());
-        let truth: Vec<f64> = truth.into_iter().map(|seen| seen.unwrap().share).collect();
+        let truth = shares(&Oracle::new(&stage.casters).with_spheres(spheres), &camera, &light);
         let errors = errors(&stage.seen_past_spheres(&camera, &light, spheres), &truth);
         println!("{} of {}: {errors:.4?}", light.name, spheres.len());
         assert!(errors[0] < 0.008 && errors[1] < worst, "{}: {errors:?}", light.name);
