@@ -20,6 +20,10 @@ pub enum ExtentChoice {
 /// Within this angle from where it faces a rectangle that was a point all around gives its full strength; from there it fades to nothing in its plane.
 const FULL_STRENGTH_RAD: f64 = 60.0 / 180.0 * std::f64::consts::PI;
 
+/// A lamp is in the model's middle if it is not farther from that than this part of the model's size and of its own distance from the origin: `f32` keeps a
+/// tenth of that.
+const IN_THE_MIDDLE: f64 = 1e-6;
+
 /// `lights` with their sizes: of each lamp its own, else that of `all`; with `sun_disc`, of each directional light the sun's. `lamps` are those that `lights`
 /// were made of, or none if they are the model's own.
 ///
@@ -65,6 +69,9 @@ fn lamp_with_extent(light: Light, choice: ExtentChoice, model: &Bounds) -> anyho
         }
         ExtentChoice::Size([width, height]) => {
             fits(&format!("rectangle of {width} by {height} m"), 0.5 * width.hypot(height))?;
+            // What is nearer is there but for rounding.
+            let least_m = IN_THE_MIDDLE * (position.abs().max_element() + model.size().length());
+            let to_middle = if to_middle.length() > least_m { to_middle } else { DVec3::ZERO };
             let facing = light.cone.map_or(to_middle, |cone| cone.axis).try_normalize().with_context(|| {
                 format!(
                     "a rectangle at `{}`, in the model's middle, faces nothing; a spot says where it faces (--spot)",
@@ -125,7 +132,13 @@ mod tests {
         let error = of(lamp.clone(), ExtentChoice::Size([0.2, 0.1])).expect_err("it has no direction").to_string();
         assert!(error.contains("faces nothing"), "{error}");
         let cone = Some(Cone { axis: DVec3::NEG_Z, inner_rad: 0.1, outer_rad: 0.2 });
-        assert!(of(Light { cone, ..lamp }, ExtentChoice::Size([0.2, 0.1])).is_ok());
+        assert!(of(Light { cone, ..lamp.clone() }, ExtentChoice::Size([0.2, 0.1])).is_ok());
+        // As `f32` has them, neither is where it was said to be.
+        let [min, max, middle] = [0.1, 0.3, 0.2].map(|x| DVec3::new(x, x, 10.0 * x).as_vec3().as_dvec3());
+        let lamp = Light { position: LightPosition::point(middle), ..lamp };
+        let size = Some(ExtentChoice::Size([0.02, 0.01]));
+        let error = with_extents(vec![lamp], &[], size, false, &Bounds { min, max }).expect_err("it has no direction");
+        assert!(error.to_string().contains("faces nothing"), "{error}");
     }
 
     #[test]

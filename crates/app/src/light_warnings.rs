@@ -1,7 +1,7 @@
 //! What is said of lights that do less than one might think.
 
 use glam::Vec3;
-use umbrae_core::{Bounds, Caster, Extent, Light, Object};
+use umbrae_core::{Bounds, Caster, Extent, Light, Object, Sphere};
 
 use crate::cli::RenderArgs;
 use crate::extent::ExtentChoice;
@@ -35,8 +35,13 @@ pub(crate) fn warn_of_darkness(lights: &[Light], talk: &Talk) {
     }
 }
 
-/// Says which of `objects`, whose casters are `casters`, reach into a light with a size.
-pub(crate) fn warn_of_cuts(lights: &[Light], objects: &[Object], casters: &[Caster], talk: &Talk) {
+/// Says which of `objects`, whose casters are `casters`, and of `spheres` reach into a light with a size.
+pub(crate) fn warn_of_cuts(
+    lights: &[Light],
+    (objects, casters): (&[Object], &[Caster]),
+    spheres: &[Sphere],
+    talk: &Talk,
+) {
     for light in lights.iter().filter(|light| light.extent != Extent::Point) {
         let (middle, radius_m) = (light.position.homogeneous().truncate(), light.extent.radius_m());
         let reach = Bounds { min: middle - radius_m, max: middle + radius_m };
@@ -46,7 +51,9 @@ pub(crate) fn warn_of_cuts(lights: &[Light], objects: &[Object], casters: &[Cast
                 && (0..caster.mesh.triangles().len()).any(|t| light.is_cut_by(caster.corners(t).map(Vec3::as_dvec3)))
         };
         let cutting = objects.iter().zip(casters).filter(|(_, caster)| is_cut_by(caster));
-        let names: Vec<&str> = cutting.map(|(object, _)| object.name.as_str()).collect();
+        let cutting_spheres = spheres.iter().filter(|sphere| light.is_cut_by_sphere(sphere));
+        let names = cutting.map(|(object, _)| object.name.as_str());
+        let names: Vec<&str> = names.chain(cutting_spheres.map(|sphere| sphere.name.as_str())).collect();
         if !names.is_empty() {
             let (verb, it) = if names.len() == 1 { ("reaches", "its") } else { ("reach", "their") };
             talk.warning(&format!(

@@ -113,7 +113,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         gpu_scene.give_finders(finders(&Cache::new(folder)?, &casters, args.shadows.options().silhouettes, talk));
     }
     let shadows = ShadowOptions { soft: soft > 0, ..args.shadows.options() };
-    warn_of_cuts(&lights, &scene.objects, &casters, talk);
+    warn_of_cuts(&lights, (&scene.objects, &casters), &spheres, talk);
     let stage = Stage { renderer, gpu_scene, casters, spheres, camera, lights, shadows, look };
 
     let start = Instant::now();

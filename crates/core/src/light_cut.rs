@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::{ConvexRegion, Extent, Light};
+use crate::{ConvexRegion, Extent, Light, Sphere};
 
 /// A triangle must pass through a rectangle by more than this part of its half diagonal, so that lamps may be flush with what they are mounted on.
 const FLUSH: f64 = 1e-6;
@@ -33,6 +33,27 @@ impl Light {
                 }
             }
         }
+    }
+}
+
+impl Light {
+    /// Whether the surface of `sphere` reaches into the light. Never into a point or the sun's disc.
+    pub fn is_cut_by_sphere(&self, sphere: &Sphere) -> bool {
+        let off = sphere.center - self.position.homogeneous().truncate();
+        let [nearest_m, farthest_m] = match self.extent {
+            Extent::Point | Extent::Disc { .. } => return false,
+            Extent::Sphere { radius_m } => [off.length() - radius_m, off.length() + radius_m],
+            Extent::Rectangle { half_right, half_up } => {
+                let within = [half_right, half_up]
+                    .map(|half| half * (off.dot(half) / half.length_squared()).clamp(-1.0, 1.0))
+                    .into_iter()
+                    .sum();
+                let corners = [half_right + half_up, half_right - half_up];
+                let farthest_m = corners.iter().flat_map(|&c| [off.distance(c), off.distance(-c)]).fold(0.0, f64::max);
+                [off.distance(within), farthest_m]
+            }
+        };
+        nearest_m < sphere.radius && sphere.radius < farthest_m
     }
 }
 
@@ -78,6 +99,27 @@ mod tests {
         assert!(ball.is_cut_by(around([[0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.1, 0.0, 0.1]])), "wholly inside");
         let line = |x: f64| around([[x, -1.0, 0.0], [x, 2.0, 0.0], [x, 1.0, 0.0]]);
         assert_eq!([0.49, 0.51].map(|x| ball.is_cut_by(line(x))), [true, false]);
+    }
+
+    #[test]
+    fn a_sphere_cuts_a_light_unless_it_misses_or_holds_it() {
+        let sphere = |x: f64, y: f64, radius: f64| Sphere {
+            name: String::new(),
+            center: DVec3::new(1.0 + x, 2.0 + y, 4.0),
+            radius,
+            base_color: Vec3::ONE,
+        };
+        let ball = lamp(Extent::Sphere { radius_m: 0.5 });
+        let cut = [(2.0, 1.4), (2.0, 1.6), (2.0, 2.4), (2.0, 2.6), (0.0, 0.1), (0.0, 0.4), (0.0, 0.6)];
+        let expected = [false, true, true, false, true, true, false];
+        assert_eq!(cut.map(|(x, radius)| ball.is_cut_by_sphere(&sphere(x, 0.0, radius))), expected);
+        assert!(ball.is_cut_by_sphere(&sphere(0.45, 0.0, 0.1)), "its surface is partly inside");
+        let panel = lamp(Extent::Rectangle { half_right: DVec3::Y * 0.4, half_up: DVec3::X * 0.6 });
+        let cut =
+            [(2.0, 0.0, 1.3), (2.0, 0.0, 1.5), (2.0, 0.0, 2.7), (0.0, 0.0, 0.1), (0.0, 0.0, 0.8), (0.0, 1.0, 0.5)];
+        let expected = [false, true, false, true, false, false];
+        assert_eq!(cut.map(|(x, y, radius)| panel.is_cut_by_sphere(&sphere(x, y, radius))), expected);
+        assert!(!lamp(Extent::Point).is_cut_by_sphere(&sphere(0.0, 0.0, 1.0)));
     }
 
     #[test]

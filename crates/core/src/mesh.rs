@@ -282,6 +282,17 @@ impl Mesh {
         (part, vertices)
     }
 
+    /// The same mesh with its outside in: triangles are walked the other way round, and normals point the other way.
+    pub(crate) fn turned_over(&self) -> Self {
+        let mut mesh = self.clone();
+        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        mesh.corner_colors.iter_mut().for_each(|colors| colors.swap(1, 2));
+        mesh.corner_uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
+        mesh.corner_normals.iter_mut().for_each(|normals| *normals = normals.map(|normal| -normal));
+        mesh.corner_normals.iter_mut().for_each(|normals| normals.swap(1, 2));
+        mesh
+    }
+
     /// The same mesh with every material index raised by `first`, for a scene whose list already has that many.
     pub(crate) fn with_materials_after(&self, first: u32) -> Self {
         let mut mesh = self.clone();

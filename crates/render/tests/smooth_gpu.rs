@@ -320,13 +320,14 @@ fn cosines(casters: &[Caster], camera: &Camera, light: &Light) -> Vec<f64> {
 /// How many pixels differ, and of those how many are not next to an edge of `theirs`; `cosines` are those to the light.
 ///
 /// A piece of a triangle that is on the wrong side of a silhouette shades what is just behind it. Of those behind which nothing is lit, only the GPU takes notice:
-/// what is nearly edge on may be darker for it. Where rounding cuts it otherwise, a pixel may be brighter, but by no more than a hundredth of the light.
+/// what is nearly edge on may be darker for it. Where rounding cuts it otherwise, a pixel may be brighter, but few are, and by no more than a hundredth of the light.
 fn differing(ours: &[u8], theirs: &[u8], cosines: &[f64]) -> [usize; 2] {
     const MOST_DARKENED: f64 = 0.15;
     const MOST_LIT: f64 = 0.01;
+    const MOST_PIXELS_LIT: usize = 2;
     let [width, height] = SIZE_PX.map(i64::from);
     let at = |x: i64, y: i64| theirs[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize];
-    let (mut all, mut inner) = (0, 0);
+    let (mut all, mut inner, mut lit) = (0, 0, 0);
     for y in 0..height {
         for x in 0..width {
             let (i, own) = ((y * width + x) as usize, at(x, y));
@@ -335,10 +336,11 @@ fn differing(ours: &[u8], theirs: &[u8], cosines: &[f64]) -> [usize; 2] {
                 let is_at_edge = (-1..=1).any(|j| (-1..=1).any(|i| at(x + i, y + j) != own));
                 let most = if ours[i] == 0 { MOST_DARKENED } else { MOST_LIT };
                 inner += usize::from(!is_at_edge && cosines[i] > most);
+                lit += usize::from(!is_at_edge && ours[i] != 0);
             }
         }
     }
-    [all, inner]
+    [all, inner + if lit > MOST_PIXELS_LIT { lit } else { 0 }]
 }
 
 fn cameras() -> [Camera; 3] {

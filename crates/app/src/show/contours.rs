@@ -2,14 +2,14 @@
 //!
 //! O. Mattausch et al. 2012, figures 2 and 4.
 
-use umbrae_core::{Caster, LightPosition, SmoothBody, SmoothVolume, Smoothness};
-use umbrae_render::{GpuScene, Overlay, OverlayColor, OverlayVertex, Smooth};
+use umbrae_core::{SmoothVolume, Smoothness};
+use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 
 use super::Subject;
 use super::canvas::Rgb;
 use super::legend::{Legend, Swatch};
 use super::numbers::counted;
-use super::outlines::{Outlines, line_width_px};
+use super::outlines::{Line, Outline, line_width_px, lines_of, smoothness};
 
 /// Apart for every eye, and from what is lit and what is not.
 const DISCRETE: Rgb = [230, 120, 20];
@@ -17,22 +17,18 @@ const ACCURATE: Rgb = [30, 110, 230];
 const SMOOTH: Rgb = [205, 20, 120];
 
 /// The lines of every smooth caster that is drawn under `lights`.
-pub(super) fn contours(subject: &Subject<'_>, scene: &GpuScene, smooth: Smooth, lights: &[usize]) -> (Overlay, Legend) {
+pub(super) fn contours(subject: &Subject<'_>, lights: &[usize]) -> (Overlay, Legend) {
+    let smoothness = smoothness(subject);
     let mut overlay = Overlay { hidden_opacity: 0.15, ..Overlay::default() };
     let (mut discrete, mut accurate, mut smoothed) = (0, 0, 0);
     for &light in lights {
         let position = subject.lights[light].position.rounded_to_f32();
-        for (caster, edges) in Outlines::new(subject, light).casters {
-            let Some(body) = index_of(subject, caster).and_then(|i| scene.body(i)) else { continue };
-            discrete += edges.len();
-            let color = OverlayColor::new(DISCRETE, 1.0);
-            let at = |v: u32| OverlayVertex::at(caster.positions[v as usize], color);
-            overlay.lines.extend(edges.iter().map(|edge| [edge.start, edge.end].map(at)));
-            accurate += add(&mut overlay, body, position, &Smoothness::Accurate, ACCURATE);
-            let receivers = Caster::bounds_of(subject.casters);
-            if let Some(smoothness) = smooth.smoothness(subject.camera, receivers) {
-                smoothed += add(&mut overlay, body, position, &smoothness, SMOOTH);
-            }
+        for outline in Outline::all_of_triangles(subject, light) {
+            let Some(body) = outline.body else { continue };
+            discrete += add(&mut overlay, &outline.lines, DISCRETE);
+            let lines = |smoothness: &Smoothness| lines_of(&SmoothVolume::new(body, position, smoothness));
+            accurate += add(&mut overlay, &lines(&Smoothness::Accurate), ACCURATE);
+            smoothed += smoothness.as_ref().map_or(0, |smoothness| add(&mut overlay, &lines(smoothness), SMOOTH));
         }
     }
     let widest_px = overlay.line_width_px;
@@ -46,15 +42,9 @@ pub(super) fn contours(subject: &Subject<'_>, scene: &GpuScene, smooth: Smooth, 
     (overlay, legend)
 }
 
-fn index_of(subject: &Subject<'_>, caster: &Caster) -> Option<usize> {
-    subject.casters.iter().position(|other| std::ptr::eq(other, caster))
-}
-
 /// Returns how many lines.
-fn add(overlay: &mut Overlay, body: &SmoothBody, light: LightPosition, smoothness: &Smoothness, color: Rgb) -> usize {
-    let volume = SmoothVolume::new(body, light, smoothness);
+fn add(overlay: &mut Overlay, lines: &[Line], color: Rgb) -> usize {
     let color = OverlayColor::new(color, 1.0);
-    let at = |p: u32| OverlayVertex::at(volume.points[p as usize], color);
-    overlay.lines.extend(volume.sides.iter().map(|side| side.map(at)));
-    volume.sides.len()
+    overlay.lines.extend(lines.iter().map(|line| line.ends.map(|end| OverlayVertex::at(end, color))));
+    lines.len()
 }

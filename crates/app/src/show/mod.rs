@@ -130,7 +130,7 @@ impl<'a> Show<'a> {
         let (overlay, legend) = match (mode, lights.first()) {
             (Mode::Volumes, _) => some_first(volumes::volumes(&subject, &lights)),
             (Mode::Silhouettes, _) => some_first(outlines::silhouettes(&subject, &lights)),
-            (Mode::Contours, _) => some_first(contours::contours(&subject, subject.scene, subject.smooth, &lights)),
+            (Mode::Contours, _) => some_first(contours::contours(&subject, &lights)),
             (Mode::Topology, _) => some_first(edges::topology(&subject)),
             (Mode::Cases, Some(&light)) => some_first(cases::cases(&subject, light)),
             (Mode::Bounds, Some(&light)) => (Some(bounds::reach(&subject, light)), Legend::default()),

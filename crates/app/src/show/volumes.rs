@@ -3,15 +3,15 @@
 //! Caps are left out: the light cap lies on the caster, and the dark cap is at infinity. Of a light with a reach only what is within it
 //! is shown, because elsewhere no volume changes a pixel; without that, twenty street lamps would veil a town.
 
-use glam::{DVec3, DVec4};
-use umbrae_core::{ConvexRegion, Light, Reach, SilhouetteEdge};
+use glam::{DVec3, DVec4, Vec3};
+use umbrae_core::{ConvexRegion, Light, Reach};
 use umbrae_render::{Overlay, OverlayColor, OverlayVertex};
 
 use super::Subject;
 use super::canvas::Rgb;
 use super::legend::{Legend, Swatch};
 use super::numbers::counted;
-use super::outlines::Outlines;
+use super::outlines::{Line, Outline};
 
 /// C. Wallner, "Geometry of real time shadows", 2007, figures 5 and 6: volumes are yellow.
 const VOLUME: Rgb = [225, 196, 20];
@@ -29,17 +29,14 @@ pub(super) fn volumes(subject: &Subject<'_>, lights: &[usize]) -> (Overlay, Lege
     let mut sides = Vec::new();
     let mut bodies = 0;
     for &light in lights {
-        let outlines = Outlines::new(subject, light);
+        let outlines = Outline::all(subject, light);
         let light = &subject.lights[light];
         let reach = Reach::of(light);
-        for (caster, edges) in &outlines.casters {
-            bodies += usize::from(!edges.is_empty());
-            // Each edge once, whatever its multiplicity.
-            let side = |edge: &SilhouetteEdge| {
-                let ends = [edge.start, edge.end].map(|v| caster.positions[v as usize].as_dvec3());
-                Side::new(ends, light, reach.as_ref().map(Reach::region))
-            };
-            sides.extend(edges.iter().filter_map(side));
+        for outline in &outlines {
+            bodies += usize::from(!outline.lines.is_empty());
+            // Each line once, whatever its multiplicity.
+            let side = |line: &Line| Side::new(line.ends.map(Vec3::as_dvec3), light, reach.as_ref().map(Reach::region));
+            sides.extend(outline.lines.iter().filter_map(side));
         }
     }
     let opacity = (1.0 - LEFT_TO_SEE.powf(1.0 / layers(subject, &sides))).clamp(FAINTEST, STRONGEST);
@@ -185,8 +182,7 @@ mod tests {
 
     #[test]
     fn a_side_ends_where_the_light_does() {
-        let lamp =
-            Light { range_m: Some(5.0), ..Light::new("lamp", LightPosition::point(DVec3::ZERO), glam::Vec3::ONE) };
+        let lamp = Light { range_m: Some(5.0), ..Light::new("lamp", LightPosition::point(DVec3::ZERO), Vec3::ONE) };
         let reach = Reach::of(&lamp).expect("it has a range");
         let ends = [DVec3::new(1.0, 0.0, -2.0), DVec3::new(1.0, 0.5, -2.0)];
         let side = Side::new(ends, &lamp, Some(reach.region())).expect("it begins within the reach");

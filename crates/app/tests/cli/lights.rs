@@ -295,6 +295,9 @@ fn what_reaches_into_a_light_with_a_size_is_told() {
     run(&[&lamp[..], &["--light-radius", "0.8", "--no-cast", "*"]].concat()).stderr(contains(told).not());
     run(&[&lamp[..], &["--light-size", "0.5x0.5"]].concat()).stderr(contains(told).not());
     run(&lamp).stderr(contains(told).not());
+    let ball = ["--sphere", "1.2,0.5,2.7:0.5"];
+    run(&[&lamp[..], &ball, &["--light-radius", "0.3"]].concat()).stderr(contains(told));
+    run(&[&lamp[..], &ball, &["--light-radius", "0.1"]].concat()).stderr(contains(told).not());
 }
 
 #[test]

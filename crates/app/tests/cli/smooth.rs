@@ -111,6 +111,25 @@ fn contours_are_three_lines_of_smooth_objects_alone() {
     place.refuses(&["render", &model, "-o", "out/x.png", "--show", "contours"], &["--smooth"]);
 }
 
+/// What is shown is what casts, and not the outline of the triangles.
+#[test]
+fn volumes_and_silhouettes_that_are_shown_are_smooth_where_the_shadow_is() {
+    let place = Place::new();
+    let model = place.file("coarse.obj", ball(1));
+    for (mode, words) in [("volumes", "sides of 2 volumes"), ("silhouettes", "pieces of curves")] {
+        let pieces = ["0.1", "0.001"].map(|epsilon| {
+            let all = ["render", &model, "-o", "out/x.png", "--size", "96x64", "--smooth", "--epsilon", epsilon];
+            let run = place.umbrae(&[&all[..], &["--show", mode, "--json", "-", "-q"]].concat()).success();
+            let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("JSON");
+            let legend = report["show"]["legend"].to_string();
+            assert!(legend.contains(words), "{legend}");
+            let before = legend[..legend.find(words).expect("it is there")].trim_end();
+            before.rsplit([' ', '"']).next().and_then(|number| number.parse::<u32>().ok()).expect("a number")
+        });
+        assert!(pieces[1] > pieces[0] + 20, "{mode}: {pieces:?}");
+    }
+}
+
 #[test]
 fn options_that_can_not_be_are_refused() {
     let place = Place::new();

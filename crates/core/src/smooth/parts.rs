@@ -10,6 +10,7 @@ use rustc_hash::FxHashMap;
 
 use crate::{Caster, Mesh, Object, Scene, Topology};
 
+use super::body::volume_m3;
 use super::normals::{corner_normals, is_flat};
 
 /// A part of a mesh, and for each of its vertices the one of the whole.
@@ -22,11 +23,14 @@ impl Scene {
     /// Splits objects in which some components have smooth silhouettes and others have not, so that [`super::SmoothBody::new`] takes the
     /// ones and refuses the others. Returns how many objects were split.
     ///
+    /// Closed objects that are mirrored where they are get a mesh that is turned over, so that what is outside stays outside; those of one mesh share it.
+    ///
     /// A component has one if it is closed, consistently wound with its outside out, and has a corner whose normal is not its triangle's, by the
     /// normals that [`corner_normals`] finds for the mesh at rest from the file's and `crease_rad`. Parts keep the object's name, role, pose and place, the smooth one
     /// first; instances of a mesh share its parts. Roles are to be assigned before ([`Scene::assign_roles`]), as they open what they cut. Linear in the
     /// number of triangles.
     pub fn split_smooth_parts(&mut self, crease_rad: f64) -> usize {
+        self.turn_mirrored_over();
         let objects = std::mem::take(&mut self.objects);
         let whole = objects.len();
         // Meshes are kept, so that no two have one address.
@@ -45,6 +49,22 @@ impl Scene {
             }
         }
         self.objects.len() - whole
+    }
+}
+
+impl Scene {
+    /// Gives objects that are mirrored where they are, and inside out for it, meshes whose outside is in.
+    fn turn_mirrored_over(&mut self) {
+        // Meshes are kept, so that no two have one address.
+        let mut turned: FxHashMap<*const Mesh, (Arc<Mesh>, Arc<Mesh>)> = FxHashMap::default();
+        for object in &mut self.objects {
+            let is_mirrored = object.world_from_object.matrix3.determinant() < 0.0;
+            if is_mirrored && volume_m3(object.mesh.positions(), object.mesh.triangles()) > 0.0 {
+                let of_mesh = turned.entry(Arc::as_ptr(&object.mesh));
+                let (_, over) = of_mesh.or_insert_with(|| (object.mesh.clone(), Arc::new(object.mesh.turned_over())));
+                object.mesh = over.clone();
+            }
+        }
     }
 }
 
@@ -80,8 +100,8 @@ mod tests {
     use glam::{DVec3, Vec3, Vec3Swizzles as _};
 
     use super::*;
-    use crate::smooth::{NotSmooth, SmoothBody};
-    use crate::{Deformer, Influence, Pose, Surface, shapes};
+    use crate::smooth::{NotSmooth, SmoothBody, SmoothVolume, Smoothness, given_normals};
+    use crate::{Deformer, Influence, LightPosition, Pose, Surface, shapes};
 
     const CREASE_RAD: f64 = 0.76;
 
@@ -108,9 +128,45 @@ mod tests {
         ])
     }
 
+    /// The file's, as they are where the object is.
+    fn corner_normals_of(caster: &Caster, object: &Object) -> Vec<[Vec3; 3]> {
+        corner_normals(caster, &given_normals(object), CREASE_RAD)
+    }
+
     fn body_of(object: &Object) -> Result<SmoothBody, NotSmooth> {
         let caster = Caster::new(object, Arc::new(Topology::new(&object.mesh)));
         SmoothBody::new(&caster, &corner_normals(&caster, object.mesh.corner_normals(), CREASE_RAD))
+    }
+
+    #[test]
+    fn what_is_mirrored_has_its_outside_out_and_the_mirrored_silhouette() {
+        let ball = shapes::icosphere(Vec3::ZERO, 1.0, 2);
+        // Not those of its faces, and not what would be computed.
+        let normal = |p: Vec3| (p + Vec3::new(0.2, 0.1, 0.0)).normalize_or_zero();
+        let corner_normals = ball.triangles.iter().map(|t| t.map(|v| normal(ball.positions[v as usize]))).collect();
+        let mesh = Arc::new(Mesh::new(Surface { corner_normals, ..ball }).expect("a good shape"));
+        let placed = |x: f64| Object::new("", mesh.clone(), DAffine3::from_scale(DVec3::new(x, 1.0, 1.0)));
+        let mut scene = Scene { objects: vec![placed(1.0), placed(-1.0), placed(-1.0)], ..Scene::default() };
+        let silhouette = |object: &Object, x: f64| {
+            let caster = Caster::new(object, Arc::new(Topology::new(&object.mesh)));
+            let normals = corner_normals_of(&caster, object);
+            let body = SmoothBody::new(&caster, &normals).expect("it is round, and its outside is out");
+            let light = LightPosition::directional(DVec3::new(0.3 * x, 0.2, 1.0)).expect("not zero");
+            let volume = SmoothVolume::new(&body, light, &Smoothness::Accurate);
+            // To a tenth of a millimetre; mirrored again, so that both are the same.
+            let rounded = |p: Vec3| (Vec3::new(p.x * x as f32, p.y, p.z) * 1e4).round().as_ivec3().to_array();
+            let mut points: Vec<[i32; 3]> =
+                volume.sides.iter().map(|&[from, _]| rounded(volume.points[from as usize])).collect();
+            points.sort_unstable();
+            points
+        };
+        assert_eq!(body_of(&scene.objects[1]).err(), Some(NotSmooth::InsideOut));
+        for _ in 0..2 {
+            scene.split_smooth_parts(CREASE_RAD);
+            assert_eq!(silhouette(&scene.objects[1], -1.0), silhouette(&scene.objects[0], 1.0));
+            assert!(Arc::ptr_eq(&scene.objects[1].mesh, &scene.objects[2].mesh), "instances share a mesh");
+            assert!(Arc::ptr_eq(&scene.objects[0].mesh, &mesh));
+        }
     }
 
     #[test]

@@ -7,9 +7,9 @@ use crate::{Gpu, GpuScene};
 
 /// Adds a light to every visible surface whose seen side it reaches, as much of it as is seen from there.
 ///
-/// - reads: depth, visibility ([`SoftTargets`])
-/// - writes: colour, by addition
-/// - needs: the depth of exactly these surfaces, drawn by the same vertex shader
+/// - reads: depth, visibility ([`SoftTargets`]), stencil
+/// - writes: colour, by addition; stencil, where it has added
+/// - needs: the depth of exactly these surfaces, drawn by the same vertex shader; a stencil that is lit all over
 #[derive(Debug)]
 pub(crate) struct SoftLightPass {
     surfaces: SoftSurfaces,

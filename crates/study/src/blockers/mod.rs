@@ -41,7 +41,7 @@ pub struct Blockers {
     bounds: Bounds,
 }
 
-/// What rounding moves the side of a box in light space, in parts of its distance from the receiver; see `shaft.rs`.
+/// What rounding moves the side of a box in light space, in parts of its distance from the receiver; see `light_space.rs`.
 const BOX_ROUNDING: f64 = 4e-6;
 
 /// A verdict is decided if it holds for every point so near; less in scenes smaller than a house.
