@@ -3,6 +3,7 @@
 mod bench;
 mod light;
 mod load;
+mod moment;
 mod shadow;
 mod study;
 mod sun;
@@ -18,15 +19,15 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 
-use crate::model::Moment;
 use crate::output::write_to_stdout;
-use crate::parse::{fov_deg, metres, picture_size, seconds, sphere, xyz};
+use crate::parse::{fov_deg, metres, picture_size, sphere, xyz};
 use crate::sample::Sample;
 use crate::show::Mode;
 
 pub use self::bench::{BenchCommand, SilhouettesArgs, SmoothArgs};
 pub use self::light::LightArgs;
 pub use self::load::LoadArgs;
+pub use self::moment::MomentArgs;
 pub use self::shadow::{LightMark, Method, ShadowArgs, Silhouette, SmoothKind};
 pub use self::study::{On, StudyArgs};
 pub use self::sun::SunArgs;
@@ -148,13 +149,9 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub load: LoadArgs,
 
-    /// Show animated models as they are this long after the beginning; after its last key an animation stands still (default: at rest)
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
-    pub time: Option<f64>,
-
-    /// The animation to play, by the name that `umbrae inspect` shows (default: all that move different things, else the first)
-    #[arg(long, value_name = "NAME", requires = "time")]
-    pub animation: Option<String>,
+    /// When they are shown.
+    #[command(flatten)]
+    pub moment: MomentArgs,
 
     /// Picture to write (PNG; default: the first model's name with .png, in the current folder)
     #[arg(long, short, value_name = "FILE", help_heading = "Files to write")]
@@ -331,11 +328,6 @@ pub struct SampleArgs {
 }
 
 impl RenderArgs {
-    /// The moment to show; `None` at rest.
-    pub fn moment(&self) -> Option<Moment> {
-        self.time.map(|time_s| Moment { time_s, animation: self.animation.clone() })
-    }
-
     /// Where the picture goes.
     pub fn picture_path(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| {

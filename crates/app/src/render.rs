@@ -59,7 +59,7 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
     let mut times = Times::default();
 
     let start = Instant::now();
-    let (mut scene, files) = load_all(&args.models, &load_options(args), args.moment().as_ref(), talk)?;
+    let (mut scene, files) = load_all(&args.models, &load_options(args), args.moment.moment().as_ref(), talk)?;
     times.load = ms_since(start);
     let spheres = spheres(args, scene.origin);
     let model = spheres.iter().fold(scene.bounds(), |bounds, sphere| bounds.union(sphere.bounds()));
@@ -139,8 +139,8 @@ pub fn run(args: &RenderArgs, talk: &Talk) -> anyhow::Result<bool> {
         ground: ground.as_ref().map(|g| GroundReport::new(g, origin)),
         spheres: stage.spheres.iter().map(|sphere| SphereReport::new(sphere, origin)).collect(),
         camera: CameraReport::new(&camera, origin),
-        time: args.time,
-        animation: args.animation.clone(),
+        time: args.moment.time,
+        animation: args.moment.animation.clone(),
         posing: posing.name(),
         samples: args.samples,
         method: Method::name(stage.shadows.method),

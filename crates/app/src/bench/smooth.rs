@@ -9,7 +9,7 @@ use umbrae_render::{AdapterChoice, Gpu, GpuScene, Output, Renderer, ShadowOption
 use web_time::Instant;
 
 use crate::cli::SmoothArgs;
-use crate::model::load_one;
+use crate::model::load_all;
 use crate::output::write_to_stdout;
 use crate::smooth::smooth_bodies;
 use crate::talk::Talk;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &SmoothArgs, talk: &Talk) -> anyhow::Result<()> {
 
 fn measure(path: &Path, renderer: &Renderer, args: &SmoothArgs, talk: &Talk) -> anyhow::Result<ModelTimes> {
     let options = umbrae_formats::LoadOptions { normals: true, ..args.load.options() };
-    let mut scene = load_one(path, &options, talk)?.scene;
+    let (mut scene, _) = load_all(&[path.to_owned()], &options, args.moment.moment().as_ref(), talk)?;
     ensure!(scene.triangle_count() > 0, "`{}` has no triangle, and so no silhouette", path.display());
     let model = scene.bounds();
     let ground = ground_under(&model);

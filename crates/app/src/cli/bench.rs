@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::LoadArgs;
+use super::{LoadArgs, MomentArgs};
 use crate::parse::{crease_deg, metres, picture_size};
 
 /// What to measure.
@@ -53,6 +53,10 @@ pub struct SmoothArgs {
     /// Edges that bend by more than this stay sharp, in degrees
     #[arg(long, value_name = "DEG", default_value = "40", value_parser = crease_deg, allow_hyphen_values = true)]
     pub crease: f64,
+
+    /// When models are shown.
+    #[command(flatten)]
+    pub moment: MomentArgs,
 
     /// How models are read.
     #[command(flatten)]

@@ -163,4 +163,7 @@ fn frames_with_three_kinds_of_silhouettes_are_measured() {
     }
     let flat = place.file("box.obj", BOX);
     place.refuses(&["bench", "smooth", &flat], &["box.obj", "no smooth object"]);
+    let posed = [&all[..], &["--time", "1"]].concat();
+    place.umbrae(&posed[..]).success();
+    place.refuses(&[&posed[..], &["--animation", "walk"]].concat(), &["no animation `walk`"]);
 }
