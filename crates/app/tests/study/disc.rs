@@ -51,6 +51,25 @@ fn hours_are_the_sum_of_the_fractions_and_bits_are_those_of_the_middle() {
     assert!(differ > 50, "{differ}");
 }
 
+/// While the middle of the disc is below the horizon some of it shines, and is counted.
+#[test]
+fn the_report_lists_the_steps_in_which_only_a_part_of_the_disc_is_up() {
+    let place = Place::new();
+    let model = place.file("slab.obj", SLAB);
+    let sunrise =
+        "--lat 48.2 --lon 16.37 --date 2026-03-20 --from 05:50 --to 06:10 --step 1m --spacing 10 --no-perspective";
+    let [plain, disc] = ["", " --sun-disc"].map(|flag| {
+        let study = Studied::new(&place, &format!("r{}", flag.len()), &format!("{model} {sunrise}{flag}"));
+        let html = study.text("report.html");
+        let rows = html.split("<tr>").filter(|row| row.contains("&deg;</td>"));
+        rows.map(str::to_owned).collect::<Vec<_>>()
+    });
+    let is_below = |row: &&String| row.contains("&ndash;</td>");
+    assert_eq!(plain.iter().filter(is_below).count(), 0, "{plain:?}");
+    let below = disc.iter().filter(is_below).count();
+    assert!((1..4).contains(&below) && disc.len() == plain.len() + below, "{below} of {disc:?}");
+}
+
 /// Whether a face hides what stands in its plane is a matter of rounding, and no error.
 #[test]
 fn a_receiver_in_the_plane_of_a_face_is_undecided() {

@@ -359,17 +359,22 @@ fn facts(results: &Results) -> String {
 }
 
 fn suns(results: &Results) -> String {
-    let days: Vec<&Step> = results.timetable.steps.iter().filter(|step| step.is_day).collect();
+    // Some of the disc may be up while its middle is not.
+    let of_disc = results.disc.as_ref().map_or(results.suns.as_slice(), |disc| &disc.suns);
+    let suns = results.suns.iter().zip(of_disc);
+    let counts = suns.map(|(middle, disc)| middle.is_some() || disc.is_some());
+    let days: Vec<&Step> = results.timetable.steps.iter().zip(counts).filter_map(|(s, c)| c.then_some(s)).collect();
     let every = days.len().div_ceil(MOST_SUNS).max(1);
     let mut html = "<table><thead><tr><th>Time</th><th>UTC offset</th><th class=\"n\">Azimuth</th><th class=\"n\">Altitude</th><th class=\"n\">Shadow of 1 m</th></tr></thead><tbody>".to_owned();
     for step in days.iter().step_by(every) {
         let time = on_clock(step.middle(), step.utc_offset_s).strftime("%Y-%m-%d %H:%M:%S").to_string();
+        let shadow_m = 1.0 / step.sun.altitude_rad.tan().max(1e-6);
+        let shadow = if step.is_day { format!("{shadow_m:.2} m") } else { "&ndash;".to_owned() };
         let [azimuth, altitude] = [step.sun.azimuth_rad, step.sun.altitude_rad].map(f64::to_degrees);
         let _ = write!(
             html,
-            "<tr><td>{time}</td><td>{}</td><td class=\"n\">{azimuth:.2}&deg;</td><td class=\"n\">{altitude:.2}&deg;</td><td class=\"n\">{:.2} m</td></tr>",
+            "<tr><td>{time}</td><td>{}</td><td class=\"n\">{azimuth:.2}&deg;</td><td class=\"n\">{altitude:.2}&deg;</td><td class=\"n\">{shadow}</td></tr>",
             offset_text(step.utc_offset_s),
-            1.0 / step.sun.altitude_rad.tan().max(1e-6)
         );
     }
     html += "</tbody></table>\n";
