@@ -282,14 +282,21 @@ impl Mesh {
         (part, vertices)
     }
 
-    /// The same mesh with its outside in: triangles are walked the other way round, and normals point the other way.
-    pub(crate) fn turned_over(&self) -> Self {
+    /// The same mesh with those triangles turned over that `is_in` says: they are walked the other way round, and their normals point the other way.
+    pub(crate) fn turned_over(&self, is_in: impl Fn(usize) -> bool) -> Self {
         let mut mesh = self.clone();
-        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-        mesh.corner_colors.iter_mut().for_each(|colors| colors.swap(1, 2));
-        mesh.corner_uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
-        mesh.corner_normals.iter_mut().for_each(|normals| *normals = normals.map(|normal| -normal));
-        mesh.corner_normals.iter_mut().for_each(|normals| normals.swap(1, 2));
+        for t in (0..mesh.triangles.len()).filter(|&t| is_in(t)) {
+            mesh.triangles[t].swap(1, 2);
+            if let Some(colors) = mesh.corner_colors.get_mut(t) {
+                colors.swap(1, 2);
+            }
+            if let Some(uvs) = mesh.corner_uvs.get_mut(t) {
+                uvs.swap(1, 2);
+            }
+            if let Some([a, b, c]) = mesh.corner_normals.get(t).copied() {
+                mesh.corner_normals[t] = [-a, -c, -b];
+            }
+        }
         mesh
     }
 

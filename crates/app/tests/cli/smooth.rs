@@ -111,6 +111,20 @@ fn contours_are_three_lines_of_smooth_objects_alone() {
     place.refuses(&["render", &model, "-o", "out/x.png", "--show", "contours"], &["--smooth"]);
 }
 
+/// Nothing of such a ball faces the lamp, so it has no silhouette and no cap: there is nothing to draw.
+#[test]
+fn a_smooth_ball_with_eye_and_lamp_inside_is_lit_all_over() {
+    let place = Place::new();
+    let model = place.file("ball.obj", obj(&shapes::icosphere(Vec3::Z * 4.0, 1.0, 2)));
+    let inside = ["--up", "z", "--point", "0.2,0.1,4.3", "--eye", "0,-0.6,4", "--target", "0,1,4", "--size", "60x40"];
+    for more in [&[][..], &["--smooth"], &["--smooth", "--method", "zfail"], &["--smooth", "--light-radius", "0.1"]] {
+        let all = [&["render", &model, "-o", "out/x.png", "--mask", "out/m.png"], &inside[..], more].concat();
+        place.umbrae(&all).success();
+        let mask = image::open(place.out("m.png")).expect("a picture").to_luma8().into_raw();
+        assert!(mask.iter().all(|&verdict| verdict == 255), "{more:?}");
+    }
+}
+
 /// What is shown is what casts, and not the outline of the triangles.
 #[test]
 fn volumes_and_silhouettes_that_are_shown_are_smooth_where_the_shadow_is() {

@@ -126,7 +126,7 @@ impl SmoothBody {
         if !has_outside(&caster.topology) {
             return Err(NotSmooth::Open);
         }
-        if volume_m3(&caster.positions, triangles) < 0.0 {
+        if volume_m3(caster) < 0.0 {
             return Err(NotSmooth::InsideOut);
         }
         if normals.iter().enumerate().all(|(t, corners)| is_flat(caster, t, corners)) {
@@ -273,14 +273,14 @@ pub(super) fn sides_of(wedges: &Topology, vertex_of_wedge: &[u32], e: u32) -> im
     wedges.triangles_on_edge(e as usize).map(side)
 }
 
-/// What `triangles` between `positions` enclose, less cavities; below 0 where they are wound the wrong way round.
-pub(super) fn volume_m3(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
-    let middle = Bounds::of_points(positions.iter().map(|p| p.as_dvec3())).center();
-    let of = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|v| positions[v as usize].as_dvec3() - middle);
+/// What the triangles of `caster` enclose, less cavities; below 0 where they are wound the wrong way round.
+fn volume_m3(caster: &Caster) -> f64 {
+    let middle = caster.bounds.center();
+    let of = |t| {
+        let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3() - middle);
         a.dot(b.cross(c)) / 6.0
     };
-    triangles.iter().map(of).sum()
+    (0..caster.mesh.triangles().len()).map(of).sum()
 }
 
 /// Wedges as they are found.

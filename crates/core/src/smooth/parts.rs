@@ -10,7 +10,6 @@ use rustc_hash::FxHashMap;
 
 use crate::{Caster, Mesh, Object, Scene, Topology};
 
-use super::body::volume_m3;
 use super::normals::{corner_normals, is_flat};
 
 /// A part of a mesh, and for each of its vertices the one of the whole.
@@ -23,27 +22,29 @@ impl Scene {
     /// Splits objects in which some components have smooth silhouettes and others have not, so that [`super::SmoothBody::new`] takes the
     /// ones and refuses the others. Returns how many objects were split.
     ///
-    /// Closed objects that are mirrored where they are get a mesh that is turned over, so that what is outside stays outside; those of one mesh share it.
+    /// Closed components that are inside out where they are, as those of mirrored objects, are turned over before: what is closed has an outside, however it is
+    /// wound. A cavity becomes a body of its own, whose shadow is within that of the one around it.
     ///
-    /// A component has one if it is closed, consistently wound with its outside out, and has a corner whose normal is not its triangle's, by the
+    /// A component has one if it is closed, consistently wound, and has a corner whose normal is not its triangle's, by the
     /// normals that [`corner_normals`] finds for the mesh at rest from the file's and `crease_rad`. Parts keep the object's name, role, pose and place, the smooth one
     /// first; instances of a mesh share its parts. Roles are to be assigned before ([`Scene::assign_roles`]), as they open what they cut. Linear in the
     /// number of triangles.
     pub fn split_smooth_parts(&mut self, crease_rad: f64) -> usize {
-        self.turn_mirrored_over();
         let objects = std::mem::take(&mut self.objects);
         let whole = objects.len();
         // Meshes are kept, so that no two have one address.
-        let mut parts_of_mesh: FxHashMap<*const Mesh, (Arc<Mesh>, Vec<Part>)> = FxHashMap::default();
-        for object in objects {
-            let (_, parts) = parts_of_mesh
-                .entry(Arc::as_ptr(&object.mesh))
-                .or_insert_with(|| (object.mesh.clone(), parts_of(&object.mesh, crease_rad)));
-            if parts.is_empty() {
+        let mut known: FxHashMap<(*const Mesh, bool), (Arc<Mesh>, Prepared)> = FxHashMap::default();
+        for mut object in objects {
+            let is_mirrored = object.world_from_object.matrix3.determinant() < 0.0;
+            let (_, prepared) = known
+                .entry((Arc::as_ptr(&object.mesh), is_mirrored))
+                .or_insert_with(|| (object.mesh.clone(), Prepared::new(&object.mesh, is_mirrored, crease_rad)));
+            object.mesh = prepared.mesh.clone();
+            if prepared.parts.is_empty() {
                 self.objects.push(object);
                 continue;
             }
-            for part in parts {
+            for part in &prepared.parts {
                 let pose = object.pose.as_ref().map(|pose| pose.of_vertices(&part.vertices));
                 self.objects.push(Object { mesh: part.mesh.clone(), pose, ..object.clone() });
             }
@@ -52,47 +53,56 @@ impl Scene {
     }
 }
 
-impl Scene {
-    /// Gives objects that are mirrored where they are, and inside out for it, meshes whose outside is in.
-    fn turn_mirrored_over(&mut self) {
-        // Meshes are kept, so that no two have one address.
-        let mut turned: FxHashMap<*const Mesh, (Arc<Mesh>, Arc<Mesh>)> = FxHashMap::default();
-        for object in &mut self.objects {
-            let is_mirrored = object.world_from_object.matrix3.determinant() < 0.0;
-            if is_mirrored && volume_m3(object.mesh.positions(), object.mesh.triangles()) > 0.0 {
-                let of_mesh = turned.entry(Arc::as_ptr(&object.mesh));
-                let (_, over) = of_mesh.or_insert_with(|| (object.mesh.clone(), Arc::new(object.mesh.turned_over())));
-                object.mesh = over.clone();
-            }
+/// What becomes of a mesh.
+struct Prepared {
+    /// Whole, with the outside of its closed components out.
+    mesh: Arc<Mesh>,
+    /// What of it is smooth and what is not, or nothing where that is all of it.
+    parts: Vec<Part>,
+}
+
+impl Prepared {
+    fn new(mesh: &Arc<Mesh>, is_mirrored: bool, crease_rad: f64) -> Self {
+        let mut mesh = mesh.clone();
+        let mut topology = Topology::new(&mesh);
+        let mut volumes_m3 = closed_volumes_m3(&mesh, &topology, is_mirrored);
+        if volumes_m3.iter().any(|&volume_m3| volume_m3 < 0.0) {
+            let component_of = topology.component_of_triangle();
+            mesh = Arc::new(mesh.turned_over(|t| volumes_m3[component_of[t] as usize] < 0.0));
+            volumes_m3.iter_mut().for_each(|volume_m3| *volume_m3 = volume_m3.abs());
+            topology = Topology::new(&mesh);
         }
+        let caster = Caster::new(&Object::new("", mesh.clone(), DAffine3::IDENTITY), Arc::new(topology));
+        let normals = corner_normals(&caster, mesh.corner_normals(), crease_rad);
+        let component_of = caster.topology.component_of_triangle();
+        let mut is_round = vec![false; volumes_m3.len()];
+        for (t, normals) in normals.iter().enumerate() {
+            is_round[component_of[t] as usize] |= !is_flat(&caster, t, normals);
+        }
+        let is_smooth: Vec<bool> = is_round.iter().zip(volumes_m3).map(|(&round, v)| round && v > 0.0).collect();
+        if is_smooth.iter().all(|&smooth| smooth == is_smooth[0]) {
+            return Self { mesh, parts: Vec::new() };
+        }
+        let part = |wanted: bool| {
+            let (mesh, vertices) = mesh.part(|t| is_smooth[component_of[t] as usize] == wanted);
+            Part { mesh: Arc::new(mesh), vertices }
+        };
+        Self { parts: vec![part(true), part(false)], mesh }
     }
 }
 
-/// What is smooth and what is not, or nothing where that is the whole mesh.
-fn parts_of(mesh: &Arc<Mesh>, crease_rad: f64) -> Vec<Part> {
-    let topology = Arc::new(Topology::new(mesh));
+/// What each component of `mesh` encloses where it is; 0 if it is open, and below 0 if its outside is in.
+fn closed_volumes_m3(mesh: &Mesh, topology: &Topology, is_mirrored: bool) -> Vec<f64> {
     let components = topology.components();
-    let caster = Caster::new(&Object::new("", mesh.clone(), DAffine3::IDENTITY), topology.clone());
-    let normals = corner_normals(&caster, mesh.corner_normals(), crease_rad);
-    let component_of = topology.component_of_triangle();
-    let (mut is_round, mut volumes_m3) = (vec![false; components.len()], vec![0.0; components.len()]);
-    let middle = caster.bounds.center();
-    for (t, normals) in normals.iter().enumerate() {
-        let component = component_of[t] as usize;
-        let [a, b, c] = caster.corners(t).map(|p| p.as_dvec3() - middle);
-        volumes_m3[component] += a.dot(b.cross(c)) / 6.0;
-        is_round[component] |= !is_flat(&caster, t, normals);
+    let mut volumes_m3 = vec![0.0; components.len()];
+    let middle = mesh.bounds().center();
+    for (corners, &component) in mesh.triangles().iter().zip(topology.component_of_triangle()) {
+        if components[component as usize].is_closed {
+            let [a, b, c] = corners.map(|v| mesh.positions()[v as usize].as_dvec3() - middle);
+            volumes_m3[component as usize] += a.dot(b.cross(c)) / if is_mirrored { -6.0 } else { 6.0 };
+        }
     }
-    let has_outside = |c: usize| components[c].is_closed && volumes_m3[c] > 0.0;
-    let is_smooth: Vec<bool> = (0..components.len()).map(|c| is_round[c] && has_outside(c)).collect();
-    if is_smooth.iter().all(|&smooth| smooth == is_smooth[0]) {
-        return Vec::new();
-    }
-    let part = |wanted: bool| {
-        let (mesh, vertices) = mesh.part(|t| is_smooth[component_of[t] as usize] == wanted);
-        Part { mesh: Arc::new(mesh), vertices }
-    };
-    vec![part(true), part(false)]
+    volumes_m3
 }
 
 #[cfg(test)]
@@ -161,6 +171,7 @@ mod tests {
             points
         };
         assert_eq!(body_of(&scene.objects[1]).err(), Some(NotSmooth::InsideOut));
+        // Once is enough.
         for _ in 0..2 {
             scene.split_smooth_parts(CREASE_RAD);
             assert_eq!(silhouette(&scene.objects[1], -1.0), silhouette(&scene.objects[0], 1.0));
@@ -170,17 +181,38 @@ mod tests {
     }
 
     #[test]
-    fn the_ball_is_smooth_and_what_is_flat_open_or_inside_out_is_not() {
+    fn what_is_inside_out_is_turned_over_and_split_as_what_is_not() {
+        let over = |mesh: &Arc<Mesh>| Arc::new(mesh.turned_over(|_| true));
+        let of = |mesh: Arc<Mesh>, x: f64| {
+            let object = Object::new("", mesh, DAffine3::from_scale(DVec3::new(x, 1.0, 1.0)));
+            let mut scene = Scene { objects: vec![object], ..Scene::default() };
+            let split = scene.split_smooth_parts(CREASE_RAD);
+            let smooth = |object: &Object| body_of(object).is_ok();
+            (split, scene.objects.iter().map(|o| (o.mesh.triangles().len(), smooth(o))).collect::<Vec<_>>())
+        };
+        let expected = of(mixed(), 1.0);
+        assert_eq!((expected.0, expected.1[0].1), (1, true));
+        assert_eq!(of(mixed(), -1.0), expected);
+        assert_eq!(of(over(&mixed()), 1.0), expected);
+        assert_eq!(of(over(&mixed()), -1.0), expected);
+        let ball = together([shapes::icosphere(Vec3::ZERO, 1.0, 2)]);
+        assert_eq!(of(over(&ball), 1.0), (0, vec![(ball.triangles().len(), true)]));
+    }
+
+    #[test]
+    fn the_balls_are_smooth_and_what_is_flat_or_open_is_not() {
         let object = Object::new("still life", mixed(), DAffine3::IDENTITY);
         assert_eq!(body_of(&object).err(), Some(NotSmooth::Open));
         let mut scene = Scene { objects: vec![object.clone()], ..Scene::default() };
         assert_eq!(scene.split_smooth_parts(CREASE_RAD), 1);
-        let [ball, rest] = scene.objects.as_slice() else { panic!("two parts") };
-        assert!(body_of(ball).is_ok() && body_of(rest).is_err());
-        assert_eq!([&ball.name, &rest.name], ["still life"; 2]);
-        assert!(ball.mesh.triangle_materials().iter().all(|&material| material == 1));
+        let [balls, rest] = scene.objects.as_slice() else { panic!("two parts") };
+        assert!(body_of(balls).is_ok() && body_of(rest).is_err());
+        assert_eq!([&balls.name, &rest.name], ["still life"; 2]);
+        // The ball that was inside out among them.
+        assert!([1, 3].iter().all(|material| balls.mesh.triangle_materials().contains(material)));
+        assert!(balls.mesh.triangle_materials().iter().all(|material| [1, 3].contains(material)));
         assert_eq!(rest.mesh.triangle_materials().iter().filter(|&&material| material == 0).count(), 12);
-        assert_eq!(ball.mesh.triangles().len() + rest.mesh.triangles().len(), object.mesh.triangles().len());
+        assert_eq!(balls.mesh.triangles().len() + rest.mesh.triangles().len(), object.mesh.triangles().len());
         assert_eq!(scene.split_smooth_parts(CREASE_RAD), 0, "once is enough");
     }
 
@@ -220,7 +252,12 @@ mod tests {
             for object in objects {
                 let places: Vec<DVec3> = object.positions().collect();
                 let bits = |v: u32| places[v as usize].to_array().map(f64::to_bits);
-                all.extend(object.mesh.triangles().iter().map(|corners| corners.map(bits)));
+                all.extend(object.mesh.triangles().iter().map(|corners| {
+                    // Some are turned over.
+                    let mut corners = corners.map(bits);
+                    corners.sort_unstable();
+                    corners
+                }));
             }
             all.sort_unstable();
             all

@@ -256,9 +256,10 @@ impl Plan {
         Some(Scope { culler, chooser, rect })
     }
 
-    /// Puts what is drawn in the order in which the least state changes.
+    /// Puts what is drawn in the order in which the least state changes; what is nothing is not drawn, and has no buffers.
     pub(super) fn sort(&mut self) {
         for batch in &mut self.batches {
+            batch.draws.retain(|draw| !draw.elements.is_empty());
             batch.draws.sort_by_key(|draw| (draw.part, draw.source));
             self.found[batch.found.clone()].sort_unstable_by_key(FoundDraw::order);
         }
